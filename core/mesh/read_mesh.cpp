@@ -1,0 +1,93 @@
+#include "mesh/read_mesh.h"
+
+#include <limits>
+
+#include "base/error.h"
+#include "mesh/text_scanner.h"
+
+namespace s3 {
+
+namespace {
+
+std::string extension_of(std::string_view file_name) {
+  const std::size_t dot = file_name.rfind('.');
+  return dot == std::string_view::npos ? "" : lower_case(file_name.substr(dot + 1));
+}
+
+// Formats that people are likely to bring and that this program does not read.
+std::string known_stranger(std::string_view text) {
+  if (text.starts_with("\x1f\x8b")) return "a gzip archive; unpack it first";
+  if (text.starts_with("PK\x03\x04")) return "a ZIP archive or 3MF file";
+  if (text.starts_with("ply")) return "a PLY file";
+  if (text.starts_with("$MeshFormat")) return "a Gmsh file";
+  if (text.starts_with("# vtk DataFile")) return "a legacy VTK file; save it as VTU";
+  if (text.starts_with("ISO-10303-21")) return "a STEP file; export a triangle mesh from it";
+  return {};
+}
+
+bool is_obj_keyword(std::string_view word) {
+  for (const std::string_view known :
+       {"v", "vn", "vt", "vp", "f", "g", "o", "s", "mtllib", "usemtl"})
+    if (word == known) return true;
+  return false;
+}
+
+// The format that the first words of the text announce; empty when they announce none.
+std::string format_from_content(std::span<const std::byte> bytes) {
+  const std::string_view text = as_text(bytes);
+  if (has_binary_stl_size(bytes) && bytes.size() > 84) return "stl-binary";
+  LineReader reader(text, "");
+  if (!reader.next('#')) return {};
+  std::string_view line = reader.line();
+  const std::string_view first = take_word(line), second = take_word(line);
+  if (lower_case(first) == "solid") return "stl-ascii";
+  if (first.ends_with("OFF") && first.size() <= 7) return "off";
+  if (second == "vertices" && parse_integer(first)) return "tet";
+  if (is_obj_keyword(first)) return "obj";
+  return {};
+}
+
+std::string format_from_extension(const std::string& extension) {
+  if (extension == "stl") return "stl-binary";
+  if (extension == "obj" || extension == "off" || extension == "tet") return extension;
+  return {};
+}
+
+[[noreturn]] void unknown_format(std::string_view file_name, const std::string& stranger) {
+  throw Error(ErrorKind::input, Stage::mesh, "mesh.unknown_format",
+              std::string(file_name) +
+                  (stranger.empty() ? " is of no known format" : " looks like " + stranger),
+              "Use an STL, OBJ or OFF surface, or a .tet volume mesh");
+}
+
+}  // namespace
+
+ModelFile read_model(std::span<const std::byte> bytes, std::string_view file_name) {
+  std::string format = format_from_content(bytes);
+  if (format.empty()) {
+    const std::string stranger = known_stranger(as_text(bytes));
+    if (!stranger.empty()) unknown_format(file_name, stranger);
+    format = format_from_extension(extension_of(file_name));
+  }
+  ModelFile model;
+  if (format == "stl-binary")
+    model.surface = read_stl_binary(bytes, file_name);
+  else if (format == "stl-ascii")
+    model.surface = read_stl_ascii(bytes, file_name);
+  else if (format == "obj")
+    model.surface = read_obj(bytes, file_name);
+  else if (format == "off")
+    model.surface = read_off(bytes, file_name);
+  else if (format == "tet")
+    model = read_tet(bytes, file_name);
+  else
+    unknown_format(file_name, {});
+  model.format = format;
+  if (model.surface.triangles.rows() == 0 && model.tets.rows() == 0)
+    throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file",
+                std::string(file_name) + " holds no triangles or tets",
+                "Export the model as a mesh, with its faces");
+  return model;
+}
+
+}  // namespace s3

@@ -1,0 +1,42 @@
+// Model files: STL, OBJ and OFF surfaces, `.tet` and VTU volumes (Sec. 2). Readers trust nothing in
+// the bytes.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/types.h"
+#include "mesh/tri_mesh.h"
+
+namespace s3 {
+
+/// What a file holds, as it is written there: its own units, axes, orientation and order.
+struct ModelFile {
+  std::string format;      // "stl-ascii", "stl-binary", "obj", "off", "tet", "vtu"
+  bool is_volume = false;  // which of the two below is filled
+  TriMesh surface;         // surface formats
+  Points vertices;         // volume formats, in file order
+  Tets tets;  // #T×4 in file order; may be of negative volume (make_tet_mesh turns them)
+};
+
+/// Reads a model of any known format; the content decides which it is, then the extension.
+///
+/// Polygons become fans of triangles. STL corners with equal coordinates become one vertex; nothing
+/// else is changed: inspect_surface() and make_tet_mesh() judge the mesh. Time and memory O(bytes).
+/// @param file_name  for the extension and for messages
+/// @throws Error "mesh.unknown_format", "mesh.bad_file" (with the line or byte), "mesh.empty_file"
+ModelFile read_model(std::span<const std::byte> bytes, std::string_view file_name);
+
+// One reader per format; each throws Error "mesh.bad_file".
+TriMesh read_stl_ascii(std::span<const std::byte> bytes, std::string_view file_name);
+TriMesh read_stl_binary(std::span<const std::byte> bytes, std::string_view file_name);
+TriMesh read_obj(std::span<const std::byte> bytes, std::string_view file_name);
+TriMesh read_off(std::span<const std::byte> bytes, std::string_view file_name);
+/// The authors' format: "N vertices", "M tets", N lines "x y z", M lines "4 a b c d" (0-based).
+ModelFile read_tet(std::span<const std::byte> bytes, std::string_view file_name);
+
+/// True when the bytes are as long as a binary STL of their own count is: 84 + 50n.
+bool has_binary_stl_size(std::span<const std::byte> bytes);
+
+}  // namespace s3
