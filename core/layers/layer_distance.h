@@ -1,55 +1,55 @@
-// Distance from a point of a layer to the material printed before it (Sec. 4.2): surface to
-// surface, exact.
+// Distances between layers (Sec. 4.2): surface to surface, exact.
 #pragma once
-#include <array>
 #include <vector>
 
+#include "base/context.h"
 #include "base/types.h"
+#include "layers/layer.h"
+#include "mesh/aabb_tree.h"
 #include "mesh/tri_mesh.h"
 
 namespace s3 {
 
-/// Triangles in a box hierarchy, for closest-point distances. Keeps its own copy of the corners.
-class SurfaceTree {
- public:
-  explicit SurfaceTree(const TriMesh& surface);
-
-  struct Closest {
-    double distance = 0;
-    Index triangle = -1;  // −1: nothing nearer than the bound
-    Vec3 point = Vec3::Zero();
-  };
-  /// The closest point of the surface if it is nearer than `bound`.
-  Closest closest(const Vec3& p, double bound) const;
-  /// Distance from p to the box of the whole surface; 0 inside.
-  double box_distance(const Vec3& p) const;
-
- private:
-  struct Node {
-    Vec3 min, max;
-    Index left = -1;  // children left and left + 1; −1 for a leaf
-    Index begin = 0, end = 0;
-  };
-  void build(Index node, std::vector<Index>& order, const std::vector<Vec3>& centers);
-  static double box_distance_squared(const Node& node, const Vec3& p);
-
-  std::vector<Node> nodes_;
-  std::vector<std::array<Vec3, 3>> corners_;  // in leaf order
-  std::vector<Index> triangle_;               // leaf order → triangle of the surface
-};
-
-/// What has been printed so far: the plate z = 0 and the surfaces of all earlier layers. Each
+/// What has been printed so far: the plate z = 0 and the surfaces of earlier layer components. Each
 /// surface is the upper side of the material beneath it.
 class PrintedMaterial {
  public:
-  void add(const TriMesh& surface) { trees_.emplace_back(surface); }
-  bool empty() const { return trees_.empty(); }
+  static constexpr Index kPlate = -1;
 
-  /// Distance to the nearest material, mm; `bound` itself when nothing is nearer than it.
-  double distance(const Vec3& p, double bound) const;
+  struct Nearest {
+    double distance = 0;  // mm
+    Index id = kPlate;    // as given to add()
+  };
+
+  void add(const TriMesh& surface, Index id);
+
+  /// The nearest material; {bound, kPlate} when nothing is nearer than `bound`.
+  Nearest nearest(const Vec3& p, double bound) const;
 
  private:
-  std::vector<SurfaceTree> trees_;
+  struct Part {
+    AabbTree tree;
+    Box box;
+    Index id;
+  };
+  std::vector<Part> parts_;
 };
+
+/// Thickness over the area of all layers, mm.
+struct ThicknessReport {
+  double min = 0, p1 = 0, p50 = 0, p99 = 0,
+         max = 0;         // weighted by area; 0 for a stack without area
+  double area = 0;        // mm² of all layers
+  double thin_area = 0;   // mm² below d_min
+  double thick_area = 0;  // mm² above d_max: nothing printed carries it
+  double outside_percent() const { return area > 0 ? 100 * (thin_area + thick_area) / area : 0; }
+};
+
+/// Measures the thickness of every layer anew from the surfaces alone: at each triangle's corners,
+/// edge midpoints and centroid, the distance to the nearest point of all layers with a smaller
+/// number or of the plate.
+/// @param d_min,d_max  mm, the range that counts as inside
+ThicknessReport measure_thickness(const LayerStack& stack, double d_min, double d_max,
+                                  Context& ctx);
 
 }  // namespace s3

@@ -2,7 +2,6 @@
 #include <vector>
 
 #include "math/conjugate_gradient.h"
-#include "math/multigrid.h"
 #include "math/solver_kinds.h"
 
 namespace s3 {
@@ -38,13 +37,7 @@ class ConjugateGradientSolver final : public SpdSolver {
     ctx.checkpoint();
     matrix_ = A;
     matrix_.makeCompressed();
-    if (options_.kind == SolverKind::jacobi) {
-      preconditioner_ = std::make_unique<Jacobi>(matrix_);
-      return;
-    }
-    auto multigrid = std::make_unique<Multigrid>();
-    multigrid->build(matrix_, options_.near_nullspace, options_.block_size, ctx);
-    preconditioner_ = std::move(multigrid);
+    preconditioner_ = std::make_unique<Jacobi>(matrix_);
   }
 
   SolveReport solve(const Block& B, Block& X, Context& ctx) const override {
