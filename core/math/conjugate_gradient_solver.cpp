@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "math/conjugate_gradient.h"
+#include "math/multigrid.h"
 #include "math/solver_kinds.h"
 
 namespace s3 {
@@ -37,7 +38,13 @@ class ConjugateGradientSolver final : public SpdSolver {
     ctx.checkpoint();
     matrix_ = A;
     matrix_.makeCompressed();
-    preconditioner_ = std::make_unique<Jacobi>(matrix_);
+    if (options_.kind == SolverKind::jacobi) {
+      preconditioner_ = std::make_unique<Jacobi>(matrix_);
+      return;
+    }
+    auto multigrid = std::make_unique<Multigrid>();
+    multigrid->build(matrix_, options_.near_nullspace, options_.block_size, ctx);
+    preconditioner_ = std::move(multigrid);
   }
 
   SolveReport solve(const Block& B, Block& X, Context& ctx) const override {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "mesh/read_vtu.h"
 #include "mesh/text_scanner.h"
 
 namespace s3 {
@@ -42,6 +43,7 @@ std::string format_from_content(std::span<const std::byte> bytes) {
   const std::string_view first = take_word(line), second = take_word(line);
   if (lower_case(first) == "solid") return "stl-ascii";
   if (first.ends_with("OFF") && first.size() <= 7) return "off";
+  if (first.starts_with("<?xml") || first.starts_with("<VTKFile")) return "vtu";
   if (second == "vertices" && parse_integer(first)) return "tet";
   if (is_obj_keyword(first)) return "obj";
   return {};
@@ -49,7 +51,8 @@ std::string format_from_content(std::span<const std::byte> bytes) {
 
 std::string format_from_extension(const std::string& extension) {
   if (extension == "stl") return "stl-binary";
-  if (extension == "obj" || extension == "off" || extension == "tet") return extension;
+  if (extension == "obj" || extension == "off" || extension == "tet" || extension == "vtu")
+    return extension;
   return {};
 }
 
@@ -57,7 +60,15 @@ std::string format_from_extension(const std::string& extension) {
   throw Error(ErrorKind::input, Stage::mesh, "mesh.unknown_format",
               std::string(file_name) +
                   (stranger.empty() ? " is of no known format" : " looks like " + stranger),
-              "Use an STL, OBJ or OFF surface, or a .tet volume mesh");
+              "Use an STL, OBJ or OFF surface, or a .tet or VTU volume mesh");
+}
+
+ModelFile volume_of(VtuFile file) {
+  ModelFile model;
+  model.is_volume = true;
+  model.vertices = std::move(file.vertices);
+  model.tets = std::move(file.tets);
+  return model;
 }
 
 }  // namespace
@@ -80,6 +91,8 @@ ModelFile read_model(std::span<const std::byte> bytes, std::string_view file_nam
     model.surface = read_off(bytes, file_name);
   else if (format == "tet")
     model = read_tet(bytes, file_name);
+  else if (format == "vtu")
+    model = volume_of(read_vtu(bytes, file_name));
   else
     unknown_format(file_name, {});
   model.format = format;

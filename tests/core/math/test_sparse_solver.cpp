@@ -5,40 +5,12 @@
 #include <doctest/doctest.h>
 
 #include "math/sparse_solver.h"
+#include "test_systems.h"
 
 using namespace s3;
+using namespace s3::test;
 
 namespace {
-
-/// Seven-point Laplacian of an n³ grid with zero boundary values.
-SparseMatrix grid_laplacian(int n) {
-  std::vector<Eigen::Triplet<double, Index>> entries;
-  const auto id = [&](int i, int j, int k) { return static_cast<Index>((k * n + j) * n + i); };
-  for (int k = 0; k < n; ++k)
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) {
-        entries.emplace_back(id(i, j, k), id(i, j, k), 6.0);
-        const auto join = [&](int a, int b, int c) {
-          if (a >= n || b >= n || c >= n) return;
-          entries.emplace_back(id(i, j, k), id(a, b, c), -1.0);
-          entries.emplace_back(id(a, b, c), id(i, j, k), -1.0);
-        };
-        join(i + 1, j, k);
-        join(i, j + 1, k);
-        join(i, j, k + 1);
-      }
-  SparseMatrix A(n * n * n, n * n * n);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
-}
-
-Block random_block(Eigen::Index rows, Eigen::Index columns) {
-  std::mt19937 random(7);
-  std::normal_distribution<double> normal;
-  Block B(rows, columns);
-  for (Eigen::Index i = 0; i < B.size(); ++i) B.data()[i] = normal(random);
-  return B;
-}
 
 double worst_residual(const SparseMatrix& A, const Block& B, const Block& X) {
   const Block R = B - A * X;

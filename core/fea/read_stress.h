@@ -1,0 +1,74 @@
+// Stress from a file, and the critical region S made of it (Sec. 2.1.2).
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fea/stress.h"
+#include "params/param_info.h"
+
+namespace s3 {
+
+struct StrengthParams {
+  std::string stress_file;      // empty for none
+  std::string load_case;        // empty for none
+  double critical_ratio = 0.3;  // share of the tets in S
+};
+
+template <class Visitor>
+void describe(Visitor& v, StrengthParams& p) {
+  v(p.stress_file,
+    ParamInfo{
+        .key = "strength.stress_file",
+        .label = "Stress file",
+        .unit = "",
+        .doc =
+            "Stress of every tet, as CSV (tensor or principal direction) or VTU cell data, in the "
+            "frame of the mesh file.",
+        .stage = Stage::fea});
+  v(p.load_case, ParamInfo{.key = "strength.load_case",
+                           .label = "Load case",
+                           .unit = "",
+                           .doc = "JSON file that says what is fixed and what is loaded, for the "
+                                  "built-in stress analysis.",
+                           .stage = Stage::fea});
+  v(p.critical_ratio,
+    ParamInfo{.key = "strength.critical_ratio",
+              .label = "Critical ratio",
+              .unit = "",
+              .doc = "Share of all tets, those of the largest tension, that are critical.",
+              .min = 0,
+              .max = 1,
+              .stage = Stage::fea});
+}
+
+/// Reads stress from CSV text. Columns may be separated by commas, semicolons or blanks; one header
+/// line is allowed.
+///
+/// Eight columns `index,maxPrincipal,S11,S22,S33,S12,S13,S23`: 1-based tet indices in any order;
+/// principal value and direction come from the tensor. Five columns `principal x y z line-id`, one
+/// row a tet in order: the direction is normalised. The frame is that of the file: see
+/// rotate_stress().
+/// @param critical_ratio  see critical_tets()
+/// @throws Error "fea.bad_stress_file" with the line, "fea.stress_count" when the rows are not #T
+StressField read_stress(std::span<const std::byte> bytes, std::string_view file_name,
+                        Index tet_count, double critical_ratio);
+
+/// S: the tets of largest principal stress, at most `ratio` of all tets by count, and only where it
+/// is tension (positive). Ties go to the lower index. Ascending.
+std::vector<Index> critical_tets(const Values& principal_value, double ratio);
+
+/// Turns directions and tensors with the mesh: x' = R x.
+void rotate_stress(StressField& field, const Mat3& rotation);
+
+/// Largest principal stress and its direction (unit, its largest component positive) of xx yy zz yz
+/// zx xy.
+struct PrincipalStress {
+  double value = 0;
+  Vec3 direction = Vec3::UnitX();
+};
+PrincipalStress largest_principal_stress(const Eigen::Matrix<double, 6, 1>& stress);
+
+}  // namespace s3

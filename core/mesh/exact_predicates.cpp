@@ -1,0 +1,213 @@
+// Expansions and the static filters: Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic
+// and Fast Robust Geometric Predicates". An expansion is a sum of doubles that do not overlap,
+// smallest first; it is exact. Only the sign of the whole determinant is asked for, so that one
+// plain exact evaluation behind the filter is enough.
+#include "mesh/exact_predicates.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace s3 {
+
+namespace {
+
+constexpr double kEpsilon = 0.5 * std::numeric_limits<double>::epsilon();  // 2⁻⁵³
+constexpr double kFilter3d = (7 + 56 * kEpsilon) * kEpsilon;
+constexpr double kFilter2d = (3 + 16 * kEpsilon) * kEpsilon;
+
+using Expansion = std::vector<double>;
+
+// a + b = sum + error, exactly.
+struct TwoTerms {
+  double sum, error;
+};
+
+TwoTerms two_sum(double a, double b) {
+  const double sum = a + b, b_virtual = sum - a;
+  return {sum, (a - (sum - b_virtual)) + (b - b_virtual)};
+}
+
+TwoTerms two_product(double a, double b) {
+  const auto split = [](double x) {
+    const double c = 134217729.0 * x;  // 2²⁷ + 1
+    const double high = c - (c - x);
+    return TwoTerms{high, x - high};
+  };
+  const double product = a * b;
+  const auto [a_high, a_low] = split(a);
+  const auto [b_high, b_low] = split(b);
+  return {product,
+          a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)};
+}
+
+void add_to(Expansion& e, double b) {
+  double carry = b;
+  std::size_t kept = 0;
+  for (const double term : e) {
+    const auto [sum, error] = two_sum(carry, term);
+    if (error != 0) e[kept++] = error;
+    carry = sum;
+  }
+  e.resize(kept);
+  if (carry != 0) e.push_back(carry);
+}
+
+Expansion difference(double a, double b) {
+  const auto [sum, error] = two_sum(a, -b);
+  Expansion e;
+  if (error != 0) e.push_back(error);
+  if (sum != 0) e.push_back(sum);
+  return e;
+}
+
+// sum += sign · a · b
+void add_product(Expansion& sum, const Expansion& a, const Expansion& b, double sign = 1) {
+  for (const double x : a)
+    for (const double y : b) {
+      const auto [product, error] = two_product(sign * x, y);
+      if (error != 0) add_to(sum, error);
+      add_to(sum, product);
+    }
+}
+
+int sign_of(const Expansion& e) {
+  return e.empty() ? 0 : (e.back() > 0) - (e.back() < 0);
+}
+int sign_of(double x) {
+  return (x > 0) - (x < 0);
+}
+
+int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  std::array<std::array<Expansion, 3>, 3> m;
+  for (int k = 0; k < 3; ++k) {
+    const auto col = static_cast<std::size_t>(k);
+    m[0][col] = difference(a[k], d[k]);
+    m[1][col] = difference(b[k], d[k]);
+    m[2][col] = difference(c[k], d[k]);
+  }
+  Expansion det;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
+    Expansion minor;
+    add_product(minor, m[1][i], m[2][j]);
+    add_product(minor, m[1][j], m[2][i], -1);
+    add_product(det, minor, m[0][k]);
+  }
+  return sign_of(det);
+}
+
+int exact_orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) {
+  Expansion det;
+  add_product(det, difference(b[i], a[i]), difference(c[j], a[j]));
+  add_product(det, difference(b[j], a[j]), difference(c[i], a[i]), -1);
+  return sign_of(det);
+}
+
+// The axis along which a triangle's projection keeps an area; −1 when it has none.
+int projection_axis(const Corners& t) {
+  const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]).cwiseAbs();
+  int best;
+  n.maxCoeff(&best);
+  for (int k = 0; k < 3; ++k) {
+    const int axis = (best + k) % 3;
+    if (orient2d(t[0], t[1], t[2], axis) != 0) return axis;
+  }
+  return -1;
+}
+
+bool segments_meet_2d(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, int drop) {
+  const int a_side = orient2d(p, q, a, drop), b_side = orient2d(p, q, b, drop);
+  const int p_side = orient2d(a, b, p, drop), q_side = orient2d(a, b, q, drop);
+  if (a_side * b_side > 0 || p_side * q_side > 0) return false;
+  if (a_side != 0 || b_side != 0 || p_side != 0 || q_side != 0) return true;
+  // All four on one line: the intervals overlap in both coordinates.
+  for (int k = 1; k <= 2; ++k) {
+    const int axis = (drop + k) % 3;
+    if (std::max(p[axis], q[axis]) < std::min(a[axis], b[axis]) ||
+        std::max(a[axis], b[axis]) < std::min(p[axis], q[axis]))
+      return false;
+  }
+  return true;
+}
+
+bool point_in_triangle_2d(const Vec3& p, const Corners& t, int drop) {
+  const int s0 = orient2d(t[0], t[1], p, drop), s1 = orient2d(t[1], t[2], p, drop),
+            s2 = orient2d(t[2], t[0], p, drop);
+  return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
+}
+
+bool coplanar_segment_meets(const Vec3& p, const Vec3& q, const Corners& t) {
+  const int drop = projection_axis(t);
+  if (drop < 0) return false;
+  if (point_in_triangle_2d(p, t, drop) || point_in_triangle_2d(q, t, drop)) return true;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (segments_meet_2d(p, q, t[i], t[(i + 1) % 3], drop)) return true;
+  return false;
+}
+
+// All corners of t strictly on one side of the plane of s.
+bool plane_separates(const Corners& s, const Corners& t) {
+  const int side = orient3d(s[0], s[1], s[2], t[0]);
+  return side != 0 && orient3d(s[0], s[1], s[2], t[1]) == side &&
+         orient3d(s[0], s[1], s[2], t[2]) == side;
+}
+
+}  // namespace
+
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 u = a - d, v = b - d, w = c - d;
+  const double vxwy = v.x() * w.y(), wxvy = w.x() * v.y(), wxuy = w.x() * u.y(),
+               uxwy = u.x() * w.y(), uxvy = u.x() * v.y(), vxuy = v.x() * u.y();
+  const double det = u.z() * (vxwy - wxvy) + v.z() * (wxuy - uxwy) + w.z() * (uxvy - vxuy);
+  const double permanent = (std::abs(vxwy) + std::abs(wxvy)) * std::abs(u.z()) +
+                           (std::abs(wxuy) + std::abs(uxwy)) * std::abs(v.z()) +
+                           (std::abs(uxvy) + std::abs(vxuy)) * std::abs(w.z());
+  if (std::abs(det) > kFilter3d * permanent) return sign_of(det);
+  return exact_orient3d(a, b, c, d);
+}
+
+int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int drop) {
+  const int i = (drop + 1) % 3, j = (drop + 2) % 3;
+  const double left = (b[i] - a[i]) * (c[j] - a[j]), right = (b[j] - a[j]) * (c[i] - a[i]);
+  const double det = left - right;
+  if (std::abs(det) > kFilter2d * (std::abs(left) + std::abs(right))) return sign_of(det);
+  return exact_orient2d(a, b, c, i, j);
+}
+
+bool is_degenerate(const Corners& triangle) {
+  return projection_axis(triangle) < 0;
+}
+
+bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Corners& t) {
+  const int p_side = orient3d(t[0], t[1], t[2], p), q_side = orient3d(t[0], t[1], t[2], q);
+  if (p_side * q_side > 0) return false;
+  if (p_side == 0 && q_side == 0) return coplanar_segment_meets(p, q, t);
+  const int s0 = orient3d(p, q, t[0], t[1]), s1 = orient3d(p, q, t[1], t[2]);
+  if (s0 * s1 < 0) return false;
+  const int s2 = orient3d(p, q, t[2], t[0]);
+  return s0 * s2 >= 0 && s1 * s2 >= 0;
+}
+
+bool triangles_meet(const Corners& s, const Corners& t) {
+  if (plane_separates(s, t) || plane_separates(t, s)) return false;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (segment_meets_triangle(s[i], s[(i + 1) % 3], t) ||
+        segment_meets_triangle(t[i], t[(i + 1) % 3], s))
+      return true;
+  return false;
+}
+
+bool triangles_meet_beyond_corner(const Corners& s, const Corners& t) {
+  // Wherever they overlap, a ray from the common corner leaves one of them through its opposite
+  // edge.
+  return segment_meets_triangle(s[1], s[2], t) || segment_meets_triangle(t[1], t[2], s);
+}
+
+bool triangles_fold_over_edge(const Corners& s, const Corners& t) {
+  if (orient3d(s[0], s[1], s[2], t[2]) != 0) return false;
+  const int drop = projection_axis(s);
+  return drop >= 0 && orient2d(s[0], s[1], s[2], drop) * orient2d(s[0], s[1], t[2], drop) > 0;
+}
+
+}  // namespace s3

@@ -1,0 +1,60 @@
+// Setup orientation: how the model's file frame becomes the printer's frame, z up, plate at z = 0
+// (Sec. 5.4.4).
+#pragma once
+#include <string>
+
+#include "base/types.h"
+#include "params/param_info.h"
+
+namespace s3 {
+
+struct InputParams {
+  std::string up = "z";          // the file's up axis
+  double scale = 1;              // file units to mm
+  std::string rotate = "0,0,0";  // Euler degrees "x,y,z", or "auto"
+};
+
+template <class Visitor>
+void describe(Visitor& v, InputParams& p) {
+  v(p.up, ParamInfo{.key = "input.up",
+                    .label = "Up axis",
+                    .unit = "",
+                    .doc = "The up axis of the model file.",
+                    .choices = {"z", "y"},
+                    .stage = Stage::mesh});
+  v(p.scale, ParamInfo{.key = "input.scale",
+                       .label = "Scale",
+                       .unit = "",
+                       .doc = "Factor from the file's unit to millimetres.",
+                       .min = 1e-6,
+                       .max = 1e6,
+                       .stage = Stage::mesh});
+  v(p.rotate, ParamInfo{.key = "input.rotate",
+                        .label = "Rotation",
+                        .unit = "deg",
+                        .doc = "Turns by x, then y, then z about the fixed axes (\"90,0,45\"), or "
+                               "\"auto\" for the least "
+                               "overhang.",
+                        .stage = Stage::mesh});
+}
+
+/// From the file's frame (mm after scaling) to the printer's: up axis, scale, rotation, then a
+/// shift along z that puts the lowest vertex at z = 0. x and y are not shifted, so that fields stay
+/// comparable with the input. Directions turn with `.rotation()`.
+/// @param vertices  #V×3, not empty
+/// @param surface   #F×3 outward triangles into vertices; read for "auto" only
+/// @throws Error "mesh.bad_placement" for parameters that mean nothing
+Eigen::Affine3d placement(const Points& vertices, const Triangles& surface,
+                          const InputParams& params);
+
+/// Moves all points.
+void transform_points(const Eigen::Affine3d& transform, Points& points);
+
+/// The direction of the model that should point up so that the least area overhangs by more than
+/// 45° (n_z < −sin 45°) without lying on the plate; about equal ones are told apart by the larger
+/// contact with the plate, then by the lower height. Candidates: up as it is, every large flat
+/// region laid on the plate, an even sampling of the sphere, and steps around the best. Linear time
+/// per candidate, a few hundred candidates. Deterministic.
+Vec3 best_up_direction(const Points& vertices, const Triangles& surface);
+
+}  // namespace s3

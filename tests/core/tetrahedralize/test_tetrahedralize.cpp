@@ -1,0 +1,269 @@
+#include "tetrahedralize/tetrahedralize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "base/units.h"
+#include "tetrahedralize/quality.h"
+
+using namespace s3;
+
+namespace {
+
+TriMesh join(const TriMesh& a, const TriMesh& b) {
+  TriMesh both{Points(a.vertices.rows() + b.vertices.rows(), 3),
+               Triangles(a.triangles.rows() + b.triangles.rows(), 3)};
+  both.vertices << a.vertices, b.vertices;
+  both.triangles << a.triangles,
+      (b.triangles.array() + static_cast<Index>(a.vertices.rows())).matrix();
+  return both;
+}
+
+TriMesh moved(TriMesh mesh, const Vec3& by) {
+  mesh.vertices.rowwise() += by.transpose();
+  return mesh;
+}
+
+TriMesh inverted(TriMesh mesh) {
+  mesh.triangles.col(1).swap(mesh.triangles.col(2));
+  return mesh;
+}
+
+// The surface of the box [0, size]³ with twelve triangles.
+TriMesh cube(double size) {
+  TriMesh mesh{Points(8, 3), Triangles(12, 3)};
+  for (int v = 0; v < 8; ++v)
+    mesh.vertices.row(v) << size * (v & 1), size * (v >> 1 & 1), size * (v >> 2);
+  mesh.triangles << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6,
+      0, 6, 2, 1, 3, 7, 1, 7, 5;
+  for (Eigen::Index f = 4; f < 12; ++f)
+    if (const Vec3 n = triangle_normal_2a(mesh.vertices, mesh.triangles.row(f));
+        n.dot(Vec3(mesh.vertices.row(mesh.triangles(f, 0))) - Vec3::Constant(0.5 * size)) < 0)
+      std::swap(mesh.triangles(f, 1), mesh.triangles(f, 2));
+  return mesh;
+}
+
+// A closed grid of n×m quads around two angles: a torus.
+TriMesh torus(double ring_radius, double tube_radius, int n, int m) {
+  TriMesh mesh{Points(n * m, 3), Triangles(2 * n * m, 3)};
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < m; ++j) {
+      const double u = 2 * kPi * i / n, v = 2 * kPi * j / m,
+                   r = ring_radius + tube_radius * std::cos(v);
+      const int a = i * m + j, b = (i + 1) % n * m + j, c = (i + 1) % n * m + (j + 1) % m,
+                d = i * m + (j + 1) % m;
+      mesh.vertices.row(a) << r * std::cos(u), r * std::sin(u), tube_radius * std::sin(v);
+      mesh.triangles.row(2 * a) << a, b, c;
+      mesh.triangles.row(2 * a + 1) << a, c, d;
+    }
+  return mesh;
+}
+
+// A cube's faces as n×n grids, pushed out to a sphere.
+TriMesh sphere(double radius, int n) {
+  TriMesh mesh{Points(6 * n * n + 2, 3), Triangles(12 * n * n, 3)};
+  std::vector<Index> index(static_cast<std::size_t>((n + 1) * (n + 1) * (n + 1)), -1);
+  Index vertices = 0, triangles = 0;
+  const auto vertex = [&](const Eigen::Vector3i& c) {
+    Index& known = index[static_cast<std::size_t>((c.z() * (n + 1) + c.y()) * (n + 1) + c.x())];
+    if (known < 0) {
+      known = vertices++;
+      const Vec3 tangent = ((2.0 * c.cast<double>() / n - Vec3::Ones()).array() * (kPi / 4)).tan();
+      mesh.vertices.row(known) = radius * tangent.normalized().transpose();
+    }
+    return known;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          const auto corner = [&](int di, int dj) {
+            Eigen::Vector3i c;
+            c[axis] = side * n;
+            c[(axis + 1) % 3] = i + di;
+            c[(axis + 2) % 3] = j + dj;
+            return vertex(c);
+          };
+          const Index a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+          mesh.triangles.row(triangles++) << a, side ? b : c, side ? c : b;
+          mesh.triangles.row(triangles++) << a, side ? c : d, side ? d : c;
+        }
+  return mesh;
+}
+
+TetMesh fill(const TriMesh& surface, int target) {
+  Context ctx;
+  return tetrahedralize(surface, {.target_tets = target}, ctx);
+}
+
+double total_volume(const TetMesh& mesh) {
+  return tet_volumes(mesh).sum();
+}
+
+// Every edge of a boundary face belongs to two faces, once in each direction.
+bool is_closed(const TetMesh& mesh) {
+  std::vector<std::pair<Index, Index>> edges;
+  for (Eigen::Index f = 0; f < mesh.boundary_faces.rows(); ++f)
+    for (int i = 0; i < 3; ++i)
+      edges.emplace_back(mesh.boundary_faces(f, i), mesh.boundary_faces(f, (i + 1) % 3));
+  std::sort(edges.begin(), edges.end());
+  return std::all_of(edges.begin(), edges.end(), [&](const auto& edge) {
+    const auto range =
+        std::equal_range(edges.begin(), edges.end(), std::pair(edge.second, edge.first));
+    return range.second - range.first == 1;
+  });
+}
+
+void check_count(const TetMesh& mesh, int target) {
+  CHECK(mesh.tet_count() > 0.85 * target);
+  CHECK(mesh.tet_count() < 1.15 * target);
+}
+
+}  // namespace
+
+TEST_CASE("a cube is filled with the wanted number of well-shaped tets") {
+  for (const int target : {3000, 20000}) {
+    const TetMesh mesh = fill(cube(20), target);
+    check_count(mesh, target);
+    CHECK(total_volume(mesh) == doctest::Approx(8000).epsilon(1e-12));
+    CHECK(enclosed_volume(boundary_surface(mesh)) == doctest::Approx(8000).epsilon(1e-12));
+    CHECK(is_closed(mesh));
+    const TetQuality quality = tet_quality(mesh);
+    CHECK(degrees(quality.min_dihedral) > 8);
+    CHECK(degrees(quality.max_dihedral) < 165);
+  }
+}
+
+TEST_CASE("a finely meshed surface keeps its triangles") {
+  const TriMesh surface = sphere(15, 20);
+  const TetMesh mesh = fill(surface, 20000);
+  check_count(mesh, 20000);
+  CHECK(mesh.boundary_faces.rows() == surface.triangles.rows());
+  CHECK(total_volume(mesh) == doctest::Approx(enclosed_volume(surface)).epsilon(1e-12));
+  CHECK(is_closed(mesh));
+  // What the kept triangles force: two of them that nearly share a plane can be faces of one flat
+  // tet.
+  CHECK(tet_quality(mesh).tets_below_10_deg < 0.005 * mesh.tet_count());
+}
+
+TEST_CASE("the hole of a torus stays open") {
+  const TriMesh surface = torus(20, 6, 80, 24);
+  const TetMesh mesh = fill(surface, 15000);
+  check_count(mesh, 15000);
+  CHECK(total_volume(mesh) == doctest::Approx(enclosed_volume(surface)).epsilon(1e-12));
+  CHECK(is_closed(mesh));
+  // Euler: the boundary of a solid torus has V − E + F = 0, where 2 E = 3 F.
+  std::vector<char> on_boundary(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  for (Eigen::Index i = 0; i < mesh.boundary_faces.size(); ++i)
+    on_boundary[static_cast<std::size_t>(mesh.boundary_faces.data()[i])] = 1;
+  CHECK(2 * std::count(on_boundary.begin(), on_boundary.end(), 1) == mesh.boundary_faces.rows());
+}
+
+TEST_CASE("two shells apart from each other are both filled") {
+  const TriMesh surface = join(sphere(8, 10), moved(sphere(5, 8), Vec3(20, 0, 0)));
+  const TetMesh mesh = fill(surface, 12000);
+  check_count(mesh, 12000);
+  CHECK(total_volume(mesh) == doctest::Approx(enclosed_volume(surface)).epsilon(1e-12));
+  CHECK(is_closed(mesh));
+}
+
+TEST_CASE("a shell turned inside out is a cavity, and a shell inside the cavity is solid again") {
+  const TriMesh hollow = join(sphere(15, 16), inverted(sphere(10, 12)));
+  const TetMesh mesh = fill(hollow, 15000);
+  check_count(mesh, 15000);
+  CHECK(total_volume(mesh) == doctest::Approx(enclosed_volume(hollow)).epsilon(1e-12));
+  CHECK(is_closed(mesh));
+
+  const TriMesh with_core = join(hollow, sphere(5, 8));
+  const TetMesh filled = fill(with_core, 15000);
+  CHECK(total_volume(filled) == doctest::Approx(enclosed_volume(with_core)).epsilon(1e-12));
+  CHECK(is_closed(filled));
+}
+
+TEST_CASE("the tet mesh does not depend on anything but its input") {
+  const TriMesh surface = torus(20, 6, 60, 20);
+  const TetMesh first = fill(surface, 8000);
+  fill(cube(3), 1000);  // TetGen keeps static state between runs
+  const TetMesh second = fill(surface, 8000);
+  CHECK(first.vertices == second.vertices);
+  CHECK(first.tets == second.tets);
+}
+
+TEST_CASE("a scaled surface gives the same tets, scaled") {
+  const TriMesh surface = torus(20, 6, 60, 20);
+  TriMesh large = surface;
+  large.vertices *= 8;  // a power of two: no rounding
+  const TetMesh first = fill(surface, 8000), second = fill(large, 8000);
+  REQUIRE(first.tet_count() == second.tet_count());
+  CHECK(first.tets == second.tets);
+  CHECK((8 * first.vertices - second.vertices).cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("surfaces that cross or overlap themselves are refused, not crashed on") {
+  const auto code_of = [](const TriMesh& surface) {
+    try {
+      fill(surface, 3000);
+    } catch (const Error& error) {
+      CHECK(error.kind == ErrorKind::slicing);
+      CHECK(error.stage == Stage::tetrahedralize);
+      CHECK(!error.hint.empty());
+      return error.code;
+    }
+    return std::string("none");
+  };
+  CHECK(code_of(join(cube(10), moved(cube(10), Vec3(5, 4, 3)))) == "tetrahedralize.failed");
+  CHECK(code_of(join(sphere(10, 8), moved(sphere(10, 8), Vec3(7, 1, 2)))) ==
+        "tetrahedralize.failed");
+  CHECK(code_of(join(torus(20, 6, 40, 12), moved(torus(20, 6, 40, 12), Vec3(20, 3, 1)))) ==
+        "tetrahedralize.failed");
+  // Still usable afterwards.
+  CHECK(total_volume(fill(cube(10), 2000)) == doctest::Approx(1000));
+}
+
+TEST_CASE("a surface without volume is refused") {
+  Context ctx;
+  CHECK_THROWS_AS(tetrahedralize(inverted(cube(10)), {}, ctx), Error);
+  CHECK_THROWS_AS(tetrahedralize(TriMesh{Points(0, 3), Triangles(0, 3)}, {}, ctx), Error);
+}
+
+TEST_CASE(
+    "a surface with more triangles than the target allows is meshed with a warning that has the "
+    "numbers") {
+  Context ctx;
+  const TetMesh mesh = tetrahedralize(sphere(10, 24), {.target_tets = 3000}, ctx);
+  CHECK(mesh.tet_count() > 3450);
+  REQUIRE(ctx.warnings.size() == 1);
+  CHECK(ctx.warnings[0].code == "tetrahedralize.more_tets");
+  CHECK(ctx.warnings[0].message.find(std::to_string(mesh.tet_count())) != std::string::npos);
+}
+
+TEST_CASE("a cancel stops the mesher") {
+  Context ctx;
+  ctx.cancel_requested = true;
+  CHECK_THROWS_AS(tetrahedralize(cube(10), {}, ctx), Cancelled);
+}
+
+TEST_CASE("the dihedral angles of a regular tet and of a cube's corner") {
+  Points vertices(4, 3);
+  vertices << 1, 1, 1, -1, -1, 1, -1, 1, -1, 1, -1, -1;
+  Tets tets(1, 4);
+  tets << 0, 1, 2, 3;
+  const DihedralRange regular = dihedral_range(make_tet_mesh(vertices, tets), 0);
+  CHECK(regular.min == doctest::Approx(std::acos(1.0 / 3.0)));
+  CHECK(regular.max == doctest::Approx(std::acos(1.0 / 3.0)));
+
+  vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  const TetMesh corner = make_tet_mesh(vertices, tets);
+  const TetQuality quality = tet_quality(corner);
+  CHECK(quality.min_dihedral == doctest::Approx(std::acos(1.0 / std::sqrt(3.0))));
+  CHECK(quality.max_dihedral == doctest::Approx(kPi / 2));
+  CHECK(quality.min_volume == doctest::Approx(1.0 / 6.0));
+  CHECK(quality.tets_below_10_deg == 0);
+  REQUIRE(quality.worst_places.size() == 1);
+  CHECK((quality.worst_places[0] - Vec3(0.25, 0.25, 0.25)).norm() < 1e-15);
+}
