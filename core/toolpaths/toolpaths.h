@@ -13,10 +13,10 @@ enum class PathKind : std::uint8_t { wall, infill, gap_fill };
 const char* path_kind_name(PathKind kind);
 
 struct Path {
-  Points points;        // #P×3 mm on the layer's surface; a closed path does not repeat its first point
-  Directions normals;   // #P×3 unit, from the layer
-  Values thickness;     // #P mm: distance to the material below
-  Values width;         // #P mm: bead width
+  Points points;  // #P×3 mm on the layer's surface; a closed path does not repeat its first point
+  Directions normals;  // #P×3 unit, from the layer
+  Values thickness;    // #P mm: distance to the material below
+  Values width;        // #P mm: bead width
   bool closed = false;
   PathKind kind = PathKind::wall;
 };
