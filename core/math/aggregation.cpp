@@ -15,9 +15,6 @@ using DynamicBlock =
 
 // A column that loses all but this share of its length to the ones before it is dependent on them.
 constexpr double kDependent = 1e-7;
-constexpr int kPowerIterations = 10;
-// Ten power iterations from a rough start end a few percent below the spectral radius.
-constexpr double kPowerMargin = 1.1;
 
 double squared_norm(const double* block, std::size_t size) {
   double sum = 0;
@@ -118,40 +115,43 @@ Members members_of(const Aggregates& aggregates) {
   return members;
 }
 
-/// y = A x, one column
-void multiply(const BlockMatrix<double>& A, const std::vector<double>& x, std::vector<double>& y) {
-  const int b = A.block_height;
-  for (Index i = 0; i < A.block_rows(); ++i) {
-    std::array<double, kMaxBlock> sum = {};
-    for (Index k = A.start[i]; k < A.start[i + 1]; ++k) {
-      const double* block = A.block(k);
-      const double* in = x.data() + static_cast<std::size_t>(A.column[k]) * b;
-      for (int r = 0; r < b; ++r)
-        for (int q = 0; q < b; ++q) sum[r] += block[r * b + q] * in[q];
+/// Lower triangular L with L Lᵀ = D; a D that is not positive definite is replaced by its diagonal,
+/// zeros there by one.
+DynamicBlock diagonal_factor(const double* block, int b) {
+  DynamicBlock D = DynamicBlock::Zero(b, b);
+  if (block != nullptr) D = Eigen::Map<const DynamicBlock>(block, b, b);
+  for (int r = 0; r < b; ++r)
+    if (!(D(r, r) > 0)) {
+      D.row(r).setZero();
+      D.col(r).setZero();
+      D(r, r) = 1;
     }
-    for (int r = 0; r < b; ++r) y[static_cast<std::size_t>(i) * b + r] = sum[r];
-  }
+  const Eigen::LLT<DynamicBlock> factor(D);
+  if (factor.info() == Eigen::Success) return factor.matrixL();
+  return D.diagonal().cwiseSqrt().asDiagonal();
 }
 
-/// Largest row sum of |D⁻¹A|: never below the spectral radius. For scalar matrices.
-double gershgorin_bound(const BlockMatrix<double>& A, const std::vector<double>& inverse_diagonal) {
-  double bound = 0;
-  for (Index i = 0; i < A.block_rows(); ++i) {
+/// An upper bound of the largest singular value.
+double norm_bound(const DynamicBlock& M) {
+  const double columns = M.cwiseAbs().colwise().sum().maxCoeff();
+  const double rows = M.cwiseAbs().rowwise().sum().maxCoeff();
+  return std::min(M.norm(), std::sqrt(columns * rows));
+}
+
+std::vector<double> inverse_majorant_of_scalars(const BlockMatrix<double>& A) {
+  const auto n = static_cast<std::size_t>(A.block_rows());
+  std::vector<double> root(n, 1.0), inverse(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Index k = diagonal_place(A, static_cast<Index>(i));
+    if (k >= 0 && A.value[k] > 0) root[i] = 1 / std::sqrt(A.value[k]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
     double sum = 0;
-    for (Index k = A.start[i]; k < A.start[i + 1]; ++k) sum += std::abs(A.value[k]);
-    bound = std::max(bound, sum * inverse_diagonal[i]);
+    for (Index k = A.start[i]; k < A.start[i + 1]; ++k)
+      sum += std::abs(A.value[k]) * root[A.column[k]];
+    inverse[i] = sum > 0 ? root[i] / sum : 1;
   }
-  return bound;
-}
-
-/// A fixed scramble of i to ±[0.5, 1.5): oscillating enough to hold every eigenvector.
-double rough_value(std::size_t i) {
-  auto h = static_cast<std::uint32_t>(i) * 2654435761U;
-  h ^= h >> 15;
-  h *= 2246822519U;
-  h ^= h >> 13;
-  const double magnitude = 0.5 + (h >> 8) / 16777216.0;
-  return (h & 1U) != 0 ? magnitude : -magnitude;
+  return inverse;
 }
 
 }  // namespace
@@ -211,69 +211,35 @@ BlockMatrix<double> tentative_prolongation(const Aggregates& aggregates, int blo
   return T;
 }
 
-std::vector<double> inverse_diagonal_blocks(const BlockMatrix<double>& A) {
+std::vector<double> inverse_majorant(const BlockMatrix<double>& A) {
   const int b = A.block_height;
-  std::vector<double> inverse(static_cast<std::size_t>(A.block_rows()) * A.block_size(), 0.0);
+  if (b == 1) return inverse_majorant_of_scalars(A);
+  std::vector<DynamicBlock> inverse_factor;
+  inverse_factor.reserve(static_cast<std::size_t>(A.block_rows()));
   for (Index i = 0; i < A.block_rows(); ++i) {
-    double* out = inverse.data() + static_cast<std::size_t>(i) * A.block_size();
     const Index k = diagonal_place(A, i);
-    if (b == 1) {
-      out[0] = k >= 0 && A.value[k] > 0 ? 1 / A.value[k] : 1;
-      continue;
+    const DynamicBlock L = diagonal_factor(k >= 0 ? A.block(k) : nullptr, b);
+    inverse_factor.push_back(L.triangularView<Eigen::Lower>().solve(DynamicBlock::Identity(b, b)));
+  }
+  std::vector<double> inverse(static_cast<std::size_t>(A.block_rows()) * A.block_size());
+  for (Index i = 0; i < A.block_rows(); ++i) {
+    double sum = 0;
+    for (Index k = A.start[i]; k < A.start[i + 1]; ++k) {
+      const Eigen::Map<const DynamicBlock> block(A.block(k), b, b);
+      if (A.column[k] == i)
+        sum += 1;
+      else
+        sum += norm_bound(inverse_factor[i] * block * inverse_factor[A.column[k]].transpose());
     }
-    DynamicBlock D = DynamicBlock::Zero(b, b);
-    if (k >= 0) D = Eigen::Map<const DynamicBlock>(A.block(k), b, b);
-    for (int r = 0; r < b; ++r)
-      if (!(D(r, r) > 0)) {
-        D.row(r).setZero();
-        D.col(r).setZero();
-        D(r, r) = 1;
-      }
-    const Eigen::LDLT<DynamicBlock> factor(D);
-    // A block that is singular to rounding is used by its diagonal alone.
-    const bool usable = (factor.vectorD().array() > 0).all();
-    DynamicBlock result = DynamicBlock::Identity(b, b);
-    if (usable)
-      result = factor.solve(result);
-    else
-      for (int r = 0; r < b; ++r) result(r, r) = 1 / D(r, r);
-    for (int r = 0; r < b; ++r)
-      for (int c = 0; c < b; ++c) out[r * b + c] = 0.5 * (result(r, c) + result(c, r));
+    Eigen::Map<DynamicBlock>(inverse.data() + static_cast<std::size_t>(i) * A.block_size(), b, b) =
+        inverse_factor[i].transpose() * inverse_factor[i] / std::max(1.0, sum);
   }
   return inverse;
 }
 
-double estimate_spectral_radius(const BlockMatrix<double>& A,
-                                const std::vector<double>& inverse_diagonal) {
-  const auto b = static_cast<std::size_t>(A.block_height);
-  const std::size_t n = static_cast<std::size_t>(A.block_rows()) * b;
-  std::vector<double> x(n), z(n), y(n);
-  for (std::size_t i = 0; i < n; ++i) x[i] = rough_value(i);
-  double radius = 1, size_before = 0;
-  for (int k = 0; k <= kPowerIterations; ++k) {
-    multiply(A, x, z);
-    double size = 0;  // of D⁻¹A x in the norm of D, in which D⁻¹A is symmetric
-    for (std::size_t i = 0; i < n / b; ++i)
-      for (std::size_t r = 0; r < b; ++r) {
-        double sum = 0;
-        for (std::size_t q = 0; q < b; ++q)
-          sum += inverse_diagonal[(i * b + r) * b + q] * z[i * b + q];
-        y[i * b + r] = sum;
-        size += sum * z[i * b + r];
-      }
-    if (!(size > 0)) break;
-    if (k > 0) radius = std::sqrt(size / size_before);
-    const double scale = 1 / std::sqrt(size);
-    for (std::size_t i = 0; i < n; ++i) x[i] = y[i] * scale;
-    size_before = 1;
-  }
-  radius *= kPowerMargin;
-  return b == 1 ? std::min(radius, gershgorin_bound(A, inverse_diagonal)) : radius;
-}
-
 BlockMatrix<double> smoothed_prolongation(const BlockMatrix<double>& A,
                                           const std::vector<char>& strong,
-                                          const std::vector<double>& inverse_diagonal, double omega,
+                                          const std::vector<double>& inverse_majorant, double omega,
                                           const BlockMatrix<double>& T) {
   const int b = A.block_height, w = T.block_width;
   BlockMatrix<double> P;
@@ -305,8 +271,8 @@ BlockMatrix<double> smoothed_prolongation(const BlockMatrix<double>& A,
         for (std::size_t e = 0; e < lumped.size(); ++e) lumped[e] += A.block(k)[e];
     }
     add(lumped.data(), i);
-    // What is there now is A_F T; the row becomes T − ω D⁻¹ A_F T.
-    const double* inverse = inverse_diagonal.data() + static_cast<std::size_t>(i) * A.block_size();
+    // What is there now is A_F T; the row becomes T − ω M⁻¹ A_F T.
+    const double* inverse = inverse_majorant.data() + static_cast<std::size_t>(i) * A.block_size();
     for (Index k = first; k < static_cast<Index>(P.column.size()); ++k) {
       double* out = P.block(k);
       for (int r = 0; r < b; ++r)

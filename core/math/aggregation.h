@@ -25,17 +25,15 @@ Aggregates aggregate(const BlockMatrix<double>& A, const std::vector<char>& stro
 BlockMatrix<double> tentative_prolongation(const Aggregates& aggregates, int block_height,
                                            Block& near_nullspace);
 
-/// Inverses of A's diagonal blocks; rows of A without any entry get the identity.
-std::vector<double> inverse_diagonal_blocks(const BlockMatrix<double>& A);
+/// Inverses of A's diagonal blocks D_i, each divided by s_i = Σ_j ‖L_i⁻¹ A_ij L_j⁻ᵀ‖, D_i = L_i
+/// L_iᵀ: A is nowhere larger than the block-diagonal matrix of s_i D_i (Gershgorin), whatever the
+/// shape of the tets. Empty rows of A get the identity.
+std::vector<double> inverse_majorant(const BlockMatrix<double>& A);
 
-/// An estimate from above of the spectral radius of D⁻¹A.
-double estimate_spectral_radius(const BlockMatrix<double>& A,
-                                const std::vector<double>& inverse_diagonal);
-
-/// P = (I − ω D⁻¹ A_F) T, where A_F is A with its weak couplings lumped into the diagonal.
+/// P = (I − ω M⁻¹ A_F) T, where A_F is A with its weak couplings lumped into the diagonal.
 BlockMatrix<double> smoothed_prolongation(const BlockMatrix<double>& A,
                                           const std::vector<char>& strong,
-                                          const std::vector<double>& inverse_diagonal, double omega,
+                                          const std::vector<double>& inverse_majorant, double omega,
                                           const BlockMatrix<double>& tentative);
 
 }  // namespace s3

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <string>
 #include <vector>
 
 namespace s3 {
@@ -12,6 +14,15 @@ namespace {
 
 // Fixed chunks (part of the answer's last digits, so not tuned to the machine).
 constexpr std::size_t kGrain = 4096;
+
+[[noreturn]] void not_definite(const char* vector, const char* product, double value) {
+  std::array<char, 32> number;
+  std::snprintf(number.data(), number.size(), "%g", value);
+  throw Error(ErrorKind::slicing, Stage::deformation, "solver.not_spd",
+              std::string("The linear system is not positive definite: ") + vector + " has " +
+                  product + " = " + number.data() + ".",
+              "Check the mesh for degenerate tets.");
+}
 
 template <int N>
 struct Sums {
@@ -110,11 +121,8 @@ class Group {
 
   double step_length(int c, double rz, double pap) {
     if (!active_[c]) return 0;
-    if (pap < 0 || !std::isfinite(pap) || !std::isfinite(rz) || rz < 0)
-      throw Error(ErrorKind::slicing, Stage::deformation, "solver.not_spd",
-                  "The linear system is not positive definite: a search direction has the energy " +
-                      std::to_string(pap) + ".",
-                  "Check the mesh for degenerate tets.");
+    if (pap < 0 || !std::isfinite(pap)) not_definite("a search direction p", "pᵀAp", pap);
+    if (rz < 0 || !std::isfinite(rz)) not_definite("the preconditioned residual z", "rᵀz", rz);
     return pap > 0 ? rz / pap : 0;
   }
 

@@ -15,9 +15,9 @@ namespace {
 constexpr double kStrength = 0.08;
 // Degree of the Chebyshev polynomial before and after the coarse correction.
 constexpr int kDegree = 2;
-// The smoother treats the eigenvalues of D⁻¹A in [radius / kSmoothedShare, radius].
+// The smoother treats the eigenvalues of M⁻¹A in [1 / kSmoothedShare, 1]; none is larger.
 constexpr double kSmoothedShare = 8;
-// ω of the prolongation, times the spectral radius.
+// ω of the prolongation.
 constexpr double kOmega = 4.0 / 3.0;
 constexpr Eigen::Index kCoarsestRows = 300;
 constexpr int kMaxLevels = 20;
@@ -64,10 +64,9 @@ void Multigrid::build(const SparseMatrix& A, const Block& near_nullspace, int bl
       break;
     const BlockMatrix<double> tentative =
         tentative_prolongation(aggregates, matrix.block_height, vectors);
-    const std::vector<double> inverse_diagonal = inverse_diagonal_blocks(matrix);
-    const double radius = estimate_spectral_radius(matrix, inverse_diagonal);
+    const std::vector<double> inverse_diagonal = inverse_majorant(matrix);
     const BlockMatrix<double> prolongation =
-        smoothed_prolongation(matrix, strong, inverse_diagonal, kOmega / radius, tentative);
+        smoothed_prolongation(matrix, strong, inverse_diagonal, kOmega, tentative);
     const BlockMatrix<double> restriction = transposed(prolongation);
     BlockMatrix<double> coarse = product(restriction, product(matrix, prolongation));
 
@@ -76,7 +75,6 @@ void Multigrid::build(const SparseMatrix& A, const Block& near_nullspace, int bl
     level.prolongation = to_single(prolongation);
     level.restriction = to_single(restriction);
     level.inverse_diagonal.assign(inverse_diagonal.begin(), inverse_diagonal.end());
-    level.spectral_radius = static_cast<float>(radius);
     levels_.push_back(std::move(level));
     matrix = std::move(coarse);
   }
@@ -133,7 +131,7 @@ void Multigrid::cycle(std::size_t depth, const float* b, float* x, int columns,
 /// radius].
 void Multigrid::smooth(const Level& level, const float* b, float* x, bool from_zero, int columns,
                        ThreadPool& pool) const {
-  const double upper = level.spectral_radius, lower = upper / kSmoothedShare;
+  const double upper = 1, lower = upper / kSmoothedShare;
   const double theta = 0.5 * (upper + lower), delta = 0.5 * (upper - lower);
   const double sigma = theta / delta;
   double rho = 1 / sigma;

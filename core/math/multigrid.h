@@ -31,7 +31,6 @@ class Multigrid final : public Preconditioner {
   struct Level {
     BlockMatrix<float> matrix, prolongation, restriction;
     std::vector<float> inverse_diagonal;                // block_rows blocks
-    float spectral_radius = 1;                          // upper estimate for D⁻¹A
     mutable std::vector<float> x, b, direction, spare;  // scratch of apply()
   };
 

@@ -7,12 +7,15 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <iterator>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/grid_mesh.h"
 #include "core/test_systems.h"
-#include "math/morton.h"
+#include "mesh/read_mesh.h"
+#include "mesh/reorder.h"
 
 using namespace s3;
 
@@ -29,44 +32,20 @@ struct System {
   int block_size = 1;
 };
 
-/// Vertices and tets along a Morton curve, as the mesher leaves them.
-TetMesh sorted(const TetMesh& mesh) {
-  const std::vector<Index> vertex_order = morton_order(mesh.vertices);
-  std::vector<Index> place(vertex_order.size());
-  Points vertices(mesh.vertices.rows(), 3), centroids(mesh.tet_count(), 3);
-  for (std::size_t i = 0; i < vertex_order.size(); ++i) {
-    place[vertex_order[i]] = static_cast<Index>(i);
-    vertices.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(vertex_order[i]);
-  }
-  for (Index t = 0; t < mesh.tet_count(); ++t) centroids.row(t) = mesh.centroid(t).transpose();
-  const std::vector<Index> tet_order = morton_order(centroids);
-  Tets tets(mesh.tets.rows(), 4);
-  for (Eigen::Index t = 0; t < tets.rows(); ++t)
-    for (int c = 0; c < 4; ++c) tets(t, c) = place[mesh.tets(tet_order[t], c)];
-  return make_tet_mesh(vertices, tets);
-}
-
 /// A block of cells whose vertices are shaken, so that no two tets are alike.
 TetMesh shaken_grid(int cells) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> shift(-0.2, 0.2);
-  return sorted(test::make_grid(cells, cells, cells, Vec3::Constant(cells), [&](const Vec3& p) {
-    return Vec3(p + Vec3(shift(random), shift(random), shift(random)));
-  }));
+  return reorder_along_morton(test::make_grid(
+      cells, cells, cells, Vec3::Constant(cells),
+      [&](const Vec3& p) { return Vec3(p + Vec3(shift(random), shift(random), shift(random))); }));
 }
 
-TetMesh read_tet_file(const std::string& path) {
-  std::ifstream file(path);
-  Index vertex_count = 0, tet_count = 0, four = 0;
-  std::string word;
-  file >> vertex_count >> word >> tet_count >> word;
-  Points vertices(vertex_count, 3);
-  Tets tets(tet_count, 4);
-  for (Index v = 0; v < vertex_count; ++v)
-    file >> vertices(v, 0) >> vertices(v, 1) >> vertices(v, 2);
-  for (Index t = 0; t < tet_count; ++t)
-    file >> four >> tets(t, 0) >> tets(t, 1) >> tets(t, 2) >> tets(t, 3);
-  return sorted(make_tet_mesh(vertices, tets));
+TetMesh read_volume(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  ModelFile model = read_model(std::as_bytes(std::span(bytes)), path);
+  return reorder_along_morton(make_tet_mesh(std::move(model.vertices), std::move(model.tets)));
 }
 
 /// Fields like the pipeline's: smooth, and rough on every 50th row.
@@ -185,6 +164,6 @@ int main(int argc, char** argv) {
   };
   for (const int count : cells) run("grid" + std::to_string(count), shaken_grid(count));
   for (const std::string& path : models)
-    run(path.substr(path.find_last_of('/') + 1), read_tet_file(path));
+    run(path.substr(path.find_last_of('/') + 1), read_volume(path));
   return 0;
 }

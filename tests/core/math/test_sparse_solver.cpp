@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "grid_mesh.h"
 #include "math/sparse_solver.h"
 #include "test_systems.h"
 
@@ -147,5 +148,43 @@ TEST_CASE("a wrong number of rows is an error and a cancel stops a solve") {
     ctx.cancel_requested = true;
     CHECK_THROWS_AS(solver->solve(random_block(A.rows(), 1), X, ctx), Cancelled);
     CHECK_THROWS_AS(solver->factor(A, ctx), Cancelled);
+  }
+}
+
+TEST_CASE("an indefinite matrix with a positive diagonal is found out while iterating") {
+  SparseMatrix A = grid_laplacian(6);
+  for (Index i = 0; i < A.rows(); ++i) A.coeffRef(i, i) = 1;
+  for (const SolverKind kind : {SolverKind::multigrid, SolverKind::jacobi}) {
+    Context ctx;
+    const auto solver = make_solver({.kind = kind});
+    Block X = Block::Zero(A.rows(), 1);
+    const auto run = [&] {
+      solver->factor(A, ctx);
+      solver->solve(random_block(A.rows(), 1), X, ctx);
+    };
+    CHECK_THROWS_WITH_AS(run(), doctest::Contains("not positive definite"), Error);
+  }
+}
+
+TEST_CASE("slivers of any thinness leave the multigrid preconditioner positive definite") {
+  // One layer of vertices is pressed onto the next: tets of height 1, 1e-3, 1e-6.
+  for (const double gap : {1.0, 1e-3, 1e-6}) {
+    const TetMesh mesh = make_grid(9, 9, 9, Vec3::Constant(9), [&](const Vec3& p) {
+      return p.z() > 3.5 && p.z() < 4.5 ? Vec3(p.x(), p.y(), 3 + gap) : p;
+    });
+    const SparseMatrix A = refinement_system(mesh, 0.01, 0.3, 0.3);
+    const Block B = A * random_block(A.rows(), 1);
+    for (const bool linear : {false, true}) {
+      CAPTURE(gap);
+      CAPTURE(linear);
+      Context ctx;
+      const auto solver = make_solver(
+          {.tolerance = 1e-5, .near_nullspace = linear ? linear_functions(mesh) : Block()});
+      solver->factor(A, ctx);
+      Block X = Block::Zero(A.rows(), 1);
+      const SolveReport report = solver->solve(B, X, ctx);
+      CHECK(report.converged);
+      CHECK(report.iterations < 60);
+    }
   }
 }
