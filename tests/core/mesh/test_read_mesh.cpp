@@ -79,9 +79,10 @@ const std::string kTet = "4 vertices\n1 tets\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n4 0 1 
 TEST_CASE("every surface format reads the same tetrahedron") {
   const std::pair<std::string, std::string> files[] = {
       {binary_stl(), "stl-binary"}, {ascii_stl(), "stl-ascii"}, {kObj, "obj"}, {kOff, "off"}};
-  for (const auto& [text, format] : files) {
+  for (const auto& file : files) {
+    const std::string& format = file.second;
     CAPTURE(format);
-    const ModelFile model = read(text, "part");  // no extension: the content decides
+    const ModelFile model = read(file.first, "part");  // no extension: the content decides
     CHECK(model.format == format);
     CHECK(!model.is_volume);
     REQUIRE(model.surface.vertices.rows() == 4);
