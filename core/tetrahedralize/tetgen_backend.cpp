@@ -49,6 +49,7 @@ std::mutex& tetgen_mutex() {
 }
 
 constexpr int kOutOfMemory = 1;
+constexpr int kTooFlat = -1;  // not TetGen's own: it ended well, but with flat tets
 
 [[noreturn]] void throw_failed(const std::string& message, const std::string& hint) {
   throw Error(ErrorKind::slicing, Stage::tetrahedralize, "tetrahedralize.failed", message, hint);
@@ -68,6 +69,8 @@ constexpr int kOutOfMemory = 1;
       throw_failed(failed + "it intersects itself", hint);
     case 4:
       throw_failed(failed + "it has a detail too small to resolve", hint);
+    case kTooFlat:
+      throw_failed(failed + "some of them would be flat", hint);
     case 5:
       throw_failed(failed + "two of its parts nearly coincide", hint);
     default:
@@ -221,42 +224,57 @@ RawTets collect(const tetgenio& out, const std::vector<int>& winding) {
   return raw;
 }
 
-struct Run {
-  double max_volume;  // mm³
+// How TetGen is asked, apart from the volume limit.
+struct Way {
   bool keep_surface;  // no new vertices on the surface
-  bool has_cavities;
+  bool good_shape;    // kShapeSwitches; otherwise only the volume limit refines
 };
 
+// Nearly flat tets are no use to anybody: their gradients are noise.
+bool has_flat_tets(const RawTets& raw) {
+  constexpr double kFlat = 1e-12;  // of the longest edge's cube
+  for (Index t = 0; t < raw.tets.rows(); ++t) {
+    double longest = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j)
+        longest = std::max(
+            longest,
+            (raw.vertices.row(raw.tets(t, i)) - raw.vertices.row(raw.tets(t, j))).squaredNorm());
+    if (std::abs(tet_volume(raw.vertices, raw.tets, t)) <= kFlat * longest * std::sqrt(longest))
+      return true;
+  }
+  return false;
+}
+
 // @throws int as TetGen does
-RawTets run_tetgen(const TriMesh& surface, const Run& run) {
+RawTets run_tetgen(const TriMesh& surface, double max_volume, bool has_cavities, const Way& way) {
   tetgenio in, out;
   set_surface(surface, in);
   std::array<char, 96> switches{};
-  std::snprintf(switches.data(), switches.size(), "p%s%sa%.9e%sQ", run.keep_surface ? "Y" : "",
-                kShapeSwitches, run.max_volume, run.has_cavities ? "A" : "");
+  std::snprintf(switches.data(), switches.size(), "p%s%sa%.9e%sQ", way.keep_surface ? "Y" : "",
+                way.good_shape ? kShapeSwitches : "", max_volume, has_cavities ? "A" : "");
   {
     const std::lock_guard lock(tetgen_mutex());
     ::tetrahedralize(switches.data(), &in, &out);
   }
   if (out.numberoftetrahedra == 0) throw_empty();
-  return collect(out, run.has_cavities ? winding_of_regions(surface, out) : std::vector<int>());
+  RawTets raw = collect(out, has_cavities ? winding_of_regions(surface, out) : std::vector<int>());
+  if (has_flat_tets(raw)) throw kTooFlat;
+  return raw;
 }
 
-// Keeps the surface where that works and lets TetGen split it where it does not.
-RawTets run_either_way(const TriMesh& surface, Run& run) {
-  try {
-    if (run.keep_surface) {
-      try {
-        return run_tetgen(surface, run);
-      } catch (int) {
-        run.keep_surface = false;
-      }
+// Tries one way after the other. A way that failed is removed from `ways` for later runs.
+RawTets run_some_way(const TriMesh& surface, double max_volume, bool has_cavities,
+                     std::vector<Way>& ways) {
+  for (;;) {
+    try {
+      return run_tetgen(surface, max_volume, has_cavities, ways.front());
+    } catch (int code) {
+      if (code == kOutOfMemory || ways.size() == 1) throw_failure(code);
+      ways.erase(ways.begin());
+    } catch (const std::bad_alloc&) {
+      throw_failure(kOutOfMemory);
     }
-    return run_tetgen(surface, run);
-  } catch (int code) {
-    throw_failure(code);
-  } catch (const std::bad_alloc&) {
-    throw_failure(kOutOfMemory);
   }
 }
 
@@ -309,18 +327,19 @@ TetMesh tetrahedralize(const TriMesh& surface, const TetrahedralizeParams& param
 
   const double target = params.target_tets;
   const auto triangles = static_cast<double>(surface.triangles.rows());
-  Run run{0, is_fine_enough(surface, volume / target), has_inverted_shell(surface)};
-  // The limits of the volume that are tried: no smaller than the whole volume allows, no larger
-  // than ten wanted tets.
-  const double largest = 10.0 * kTetsPerVolume * volume / target;
-  const double inner_target = target - (run.keep_surface ? kTetsPerTriangle * triangles : 0.0);
-  run.max_volume = inner_target > 0.1 * target ? kTetsPerVolume * volume / inner_target : largest;
+  const bool keep = is_fine_enough(surface, volume / target);
+  std::vector<Way> ways{{keep, true}, {!keep, true}, {keep, false}, {!keep, false}};
+  const bool has_cavities = has_inverted_shell(surface);
+  const double largest = 10.0 * kTetsPerVolume * volume / target;  // of the limits to try
+  const double inner_target = target - (keep ? kTetsPerTriangle * triangles : 0.0);
+  double max_volume =
+      inner_target > 0.1 * target ? kTetsPerVolume * volume / inner_target : largest;
 
   RawTets best;
   double best_miss = std::numeric_limits<double>::infinity();
   double last_inverse = 0, last_count = 0;
   for (int i = 0; i < kMaxRuns; ++i) {
-    RawTets raw = run_either_way(surface, run);
+    RawTets raw = run_some_way(surface, max_volume, has_cavities, ways);
     ctx.progress(Stage::tetrahedralize, (i + 1.0) / (kMaxRuns + 1.0));
     const auto count = static_cast<double>(raw.tets.rows());
     const double miss = std::abs(std::log(count / target));
@@ -329,18 +348,19 @@ TetMesh tetrahedralize(const TriMesh& surface, const TetrahedralizeParams& param
       best = std::move(raw);
     }
     if (std::abs(count - target) <= kCountTolerance * target) break;
-    if (count > target && run.max_volume >= largest) break;  // the surface alone needs more
+    const bool no_effect = i > 0 && std::abs(count - last_count) < 0.01 * count;
+    if (count > target && (no_effect || max_volume >= largest)) break;  // the surface needs more
     // The count grows along a line over the inverse of the limit: the secant finds the next one.
-    const double inverse = 1.0 / run.max_volume;
-    const bool first = i == 0 || last_inverse == inverse || last_count == count;
-    const double slope =
-        first ? kTetsPerVolume * volume : (count - last_count) / (inverse - last_inverse);
+    const double inverse = 1.0 / max_volume;
+    const double slope = i == 0 || last_inverse == inverse
+                             ? kTetsPerVolume * volume
+                             : (count - last_count) / (inverse - last_inverse);
     last_inverse = inverse;
     last_count = count;
     const double next = slope > 0 ? inverse + (target - count) / slope : 0.0;
-    run.max_volume = next > 0 ? std::clamp(1.0 / next, run.max_volume / 8.0,
-                                           std::min(largest, 8.0 * run.max_volume))
-                              : std::min(largest, 8.0 * run.max_volume);
+    max_volume = next > 0
+                     ? std::clamp(1.0 / next, max_volume / 8.0, std::min(largest, 8.0 * max_volume))
+                     : std::min(largest, 8.0 * max_volume);
   }
 
   const auto count = static_cast<double>(best.tets.rows());
