@@ -2,10 +2,10 @@
 #include "quaternion_field/quaternion_field.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "math/rotation.h"
+#include "quaternion_field/face_laplacian.h"
 #include "quaternion_field/rotations_from_deformation.h"
 
 namespace s3 {
@@ -90,41 +90,6 @@ ProjectionCounts project_targets(const HeldTets& held, const Block& rotation, Qu
       });
 }
 
-// Face-adjacency Laplacian with weights w_s plus diag(hold); rows in ascending columns.
-SparseMatrix blend_matrix(const TetMesh& rest, const Values& smooth_weight, const Values& hold) {
-  const Index n = rest.tet_count();
-  Tets pair_across(n, 4);  // the face pair behind each face
-  for (Index p = 0; p < rest.face_pairs.rows(); ++p)
-    for (int side = 0; side < 2; ++side)
-      pair_across(rest.face_pairs(p, side), rest.face_pair_local(p, side)) = p;
-
-  SparseMatrix A(n, n);
-  A.resizeNonZeros(n + 2 * rest.face_pairs.rows());
-  Index* const begin = A.outerIndexPtr();
-  Index fill = 0;
-  for (Index t = 0; t < n; ++t) {
-    begin[t] = fill;
-    std::array<std::pair<Index, double>, 5> row;
-    std::size_t count = 0;
-    double diagonal = hold(t);
-    for (int f = 0; f < 4; ++f) {
-      const Index other = rest.neighbors(t, f);
-      if (other < 0) continue;
-      const double w = smooth_weight(pair_across(t, f));
-      row[count++] = {other, -w};
-      diagonal += w;
-    }
-    row[count++] = {t, diagonal};
-    std::sort(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
-    for (std::size_t i = 0; i < count; ++i, ++fill) {
-      A.innerIndexPtr()[fill] = row[i].first;
-      A.valuePtr()[fill] = row[i].second;
-    }
-  }
-  begin[n] = fill;
-  return A;
-}
-
 void normalise_rows(Block& x, const Quats& fallback, Context& ctx) {
   parallel_for(ctx.pool, static_cast<std::size_t>(x.rows()), 16384,
                [&](std::size_t begin, std::size_t end) {
@@ -167,10 +132,11 @@ RotationField optimize_quaternion_field(const TetMesh& rest, const ObjectiveFiel
   align_signs(rest, field.rotation);
   field.target_rotation = field.rotation;
 
-  Values hold =
-      keep_scale * keep_weights(objectives, region_bounds(objective_params), rotation, ctx);
-  const HeldTets held =
-      held_tets(objectives, region_bounds(objective_params, params.alpha_margin), hold);
+  // The switches see the margin too: a satisfied tet within the margin would be let go, and fall
+  // back behind its bound in the next outer iteration.
+  const RegionBounds bounds = region_bounds(objective_params, params.alpha_margin);
+  Values hold = keep_scale * keep_weights(objectives, bounds, rotation, ctx);
+  const HeldTets held = held_tets(objectives, bounds, hold);
   Block x = field.rotation;
   std::vector<char> conformal(held.size(), 0);
   project_targets(held, x, field.target_rotation, conformal, ctx);
@@ -179,7 +145,7 @@ RotationField optimize_quaternion_field(const TetMesh& rest, const ObjectiveFiel
   hold.array() += kAnchor;
 
   const auto solver = make_solver({.tolerance = params.tolerance});
-  solver->factor(blend_matrix(rest, smooth_weight, hold), ctx);
+  solver->factor(face_laplacian(rest, smooth_weight, hold), ctx);
   Block b(rest.tet_count(), 4);
   for (int iteration = 0; iteration < params.inner_iterations; ++iteration) {
     if (iteration > 0) project_targets(held, x, field.target_rotation, conformal, ctx);
