@@ -2,6 +2,7 @@
 #include "quaternion_field/quaternion_field.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "math/rotation.h"
@@ -59,35 +60,26 @@ HeldTets held_tets(const ObjectiveField& objectives, const RegionBounds& bounds,
   return held;
 }
 
-struct ProjectionCounts {
-  int infeasible = 0;
-  ProjectionCounts& operator+=(const ProjectionCounts& other) {
-    infeasible += other.infeasible;
-    return *this;
-  }
-};
-
 // Local step: q^t = q ∘ r with r the minimal rotation that takes the closest feasible direction to
 // d, so R(q^t) d_c = d_p. The scalar part of r is never negative, so q^t has the sign of q.
-ProjectionCounts project_targets(const HeldTets& held, const Block& rotation, Quats& target,
-                                 std::vector<char>& conformal, Context& ctx) {
+int project_targets(const HeldTets& held, const Block& rotation, Quats& target,
+                    std::vector<char>& conformal, Context& ctx) {
   constexpr std::size_t kGrain = 512;
-  return parallel_sum(
-      ctx.pool, held.size(), kGrain, ProjectionCounts{}, [&](std::size_t begin, std::size_t end) {
-        ctx.checkpoint();
-        ProjectionCounts counts;
-        for (std::size_t i = begin; i < end; ++i) {
-          const Index t = held.tet[i];
-          const Eigen::RowVector4d q = rotation.row(t);
-          const Vec3 d = print_direction_of(q);
-          const Projection closest = project_to_region(held.region[i], d);
-          counts.infeasible += !closest.feasible;
-          conformal[i] = is_conformal(held.region[i], closest.direction);
-          const Quat turned = Quat(q(3), q(0), q(1), q(2)) * minimal_rotation(closest.direction, d);
-          target.row(t) = turned.coeffs().normalized();
-        }
-        return counts;
-      });
+  return parallel_sum(ctx.pool, held.size(), kGrain, 0, [&](std::size_t begin, std::size_t end) {
+    ctx.checkpoint();
+    int infeasible = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index t = held.tet[i];
+      const Eigen::RowVector4d q = rotation.row(t);
+      const Vec3 d = print_direction_of(q);
+      const Projection closest = project_to_region(held.region[i], d);
+      infeasible += !closest.feasible;
+      conformal[i] = is_conformal(held.region[i], closest.direction);
+      const Quat turned = Quat(q(3), q(0), q(1), q(2)) * minimal_rotation(closest.direction, d);
+      target.row(t) = turned.coeffs().normalized();
+    }
+    return infeasible;
+  });
 }
 
 void normalise_rows(Block& x, const Quats& fallback, Context& ctx) {
@@ -139,7 +131,13 @@ RotationField optimize_quaternion_field(const TetMesh& rest, const ObjectiveFiel
   const HeldTets held = held_tets(objectives, bounds, hold);
   Block x = field.rotation;
   std::vector<char> conformal(held.size(), 0);
-  project_targets(held, x, field.target_rotation, conformal, ctx);
+  const auto project = [&] {
+    const auto start = std::chrono::steady_clock::now();
+    field.infeasible_tets = project_targets(held, x, field.target_rotation, conformal, ctx);
+    field.projection_seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  project();
   for (std::size_t i = 0; i < held.size(); ++i)
     if (conformal[i]) hold(held.tet[i]) *= params.conformal_weight;
   hold.array() += kAnchor;
@@ -148,15 +146,14 @@ RotationField optimize_quaternion_field(const TetMesh& rest, const ObjectiveFiel
   solver->factor(face_laplacian(rest, smooth_weight, hold), ctx);
   Block b(rest.tet_count(), 4);
   for (int iteration = 0; iteration < params.inner_iterations; ++iteration) {
-    if (iteration > 0) project_targets(held, x, field.target_rotation, conformal, ctx);
+    if (iteration > 0) project();
     b = hold.asDiagonal() * field.target_rotation;
     solver->solve(b, x, ctx);
     normalise_rows(x, field.rotation, ctx);
     ctx.progress(Stage::quaternion_field, (iteration + 1.0) / params.inner_iterations);
   }
   field.rotation = x;
-  field.infeasible_tets =
-      project_targets(held, x, field.target_rotation, conformal, ctx).infeasible;
+  project();
   return field;
 }
 
