@@ -4,9 +4,9 @@
 // plain exact evaluation behind the filter is enough.
 #include "mesh/exact_predicates.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace s3 {
 
@@ -16,7 +16,16 @@ constexpr double kEpsilon = 0.5 * std::numeric_limits<double>::epsilon();  // 2�
 constexpr double kFilter3d = (7 + 56 * kEpsilon) * kEpsilon;
 constexpr double kFilter2d = (3 + 16 * kEpsilon) * kEpsilon;
 
-using Expansion = std::vector<double>;
+// At most N terms, which is enough for what is added to it.
+template <int N>
+struct Expansion {
+  std::array<double, N> terms;  // the first `size` hold values
+  int size = 0;
+
+  void push(double term) { terms[static_cast<std::size_t>(size++)] = term; }
+  double operator[](int i) const { return terms[static_cast<std::size_t>(i)]; }
+};
+using Difference = Expansion<2>;
 
 // a + b = sum + error, exactly.
 struct TwoTerms {
@@ -41,55 +50,58 @@ TwoTerms two_product(double a, double b) {
           a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)};
 }
 
-void add_to(Expansion& e, double b) {
+template <int N>
+void add_to(Expansion<N>& e, double b) {
   double carry = b;
-  std::size_t kept = 0;
-  for (const double term : e) {
-    const auto [sum, error] = two_sum(carry, term);
-    if (error != 0) e[kept++] = error;
+  const int size = e.size;
+  e.size = 0;
+  for (int i = 0; i < size; ++i) {
+    const auto [sum, error] = two_sum(carry, e[i]);
+    if (error != 0) e.push(error);
     carry = sum;
   }
-  e.resize(kept);
-  if (carry != 0) e.push_back(carry);
+  if (carry != 0) e.push(carry);
 }
 
-Expansion difference(double a, double b) {
+Difference difference(double a, double b) {
   const auto [sum, error] = two_sum(a, -b);
-  Expansion e;
-  if (error != 0) e.push_back(error);
-  if (sum != 0) e.push_back(sum);
+  Difference e;
+  if (error != 0) e.push(error);
+  if (sum != 0) e.push(sum);
   return e;
 }
 
 // sum += sign · a · b
-void add_product(Expansion& sum, const Expansion& a, const Expansion& b, double sign = 1) {
-  for (const double x : a)
-    for (const double y : b) {
-      const auto [product, error] = two_product(sign * x, y);
+template <int N, int A>
+void add_product(Expansion<N>& sum, const Expansion<A>& a, const Difference& b, double sign = 1) {
+  for (int i = 0; i < a.size; ++i)
+    for (int j = 0; j < b.size; ++j) {
+      const auto [product, error] = two_product(sign * a[i], b[j]);
       if (error != 0) add_to(sum, error);
       add_to(sum, product);
     }
 }
 
-int sign_of(const Expansion& e) {
-  return e.empty() ? 0 : (e.back() > 0) - (e.back() < 0);
+template <int N>
+int sign_of(const Expansion<N>& e) {
+  return e.size == 0 ? 0 : (e[e.size - 1] > 0) - (e[e.size - 1] < 0);
 }
 int sign_of(double x) {
   return (x > 0) - (x < 0);
 }
 
 int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  std::array<std::array<Expansion, 3>, 3> m;
+  std::array<std::array<Difference, 3>, 3> m;
   for (int k = 0; k < 3; ++k) {
     const auto col = static_cast<std::size_t>(k);
     m[0][col] = difference(a[k], d[k]);
     m[1][col] = difference(b[k], d[k]);
     m[2][col] = difference(c[k], d[k]);
   }
-  Expansion det;
+  Expansion<192> det;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-    Expansion minor;
+    Expansion<16> minor;
     add_product(minor, m[1][i], m[2][j]);
     add_product(minor, m[1][j], m[2][i], -1);
     add_product(det, minor, m[0][k]);
@@ -98,7 +110,7 @@ int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 int exact_orient2d(const Vec3& a, const Vec3& b, const Vec3& c, int i, int j) {
-  Expansion det;
+  Expansion<16> det;
   add_product(det, difference(b[i], a[i]), difference(c[j], a[j]));
   add_product(det, difference(b[j], a[j]), difference(c[i], a[i]), -1);
   return sign_of(det);

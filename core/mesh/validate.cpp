@@ -60,18 +60,26 @@ bool has_repeated_corner(const TriMesh& mesh, Eigen::Index f) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-// Triangles with a repeated corner have no sides.
+// Triangles with a repeated corner have no sides. Counting sort by the lower vertex, then a sort of
+// its few sides.
 std::vector<Side> sorted_sides(const TriMesh& mesh) {
-  std::vector<Side> sides;
-  sides.reserve(3 * static_cast<std::size_t>(mesh.triangles.rows()));
-  for (Index f = 0; f < mesh.triangles.rows(); ++f) {
-    if (has_repeated_corner(mesh, f)) continue;
-    for (int i = 0; i < 3; ++i) {
-      const Index from = mesh.triangles(f, i), to = mesh.triangles(f, (i + 1) % 3);
-      sides.push_back({std::min(from, to), std::max(from, to), 3 * f + i, from < to});
+  const auto for_each_side = [&](auto&& body) {
+    for (Index f = 0; f < mesh.triangles.rows(); ++f) {
+      if (has_repeated_corner(mesh, f)) continue;
+      for (int i = 0; i < 3; ++i) {
+        const Index from = mesh.triangles(f, i), to = mesh.triangles(f, (i + 1) % 3);
+        body(Side{std::min(from, to), std::max(from, to), 3 * f + i, from < to});
+      }
     }
-  }
-  std::sort(sides.begin(), sides.end());
+  };
+  std::vector<std::size_t> end(static_cast<std::size_t>(mesh.vertices.rows()) + 1, 0);
+  for_each_side([&](const Side& side) { ++end[static_cast<std::size_t>(side.low) + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<Side> sides(end.back());
+  for_each_side([&](const Side& side) { sides[end[static_cast<std::size_t>(side.low)]++] = side; });
+  for (std::size_t v = 0, begin = 0; v + 1 < end.size(); begin = end[v++])
+    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin),
+              sides.begin() + static_cast<std::ptrdiff_t>(end[v]));
   return sides;
 }
 
@@ -210,9 +218,9 @@ bool pair_intersects(const TriMesh& mesh, Index f, Index g) {
   }
 }
 
-void find_intersections(const TriMesh& mesh, const AabbTree& tree,
-                        const std::vector<char>& degenerate, const Context* ctx,
-                        MeshReport& report) {
+void find_intersections(const TriMesh& mesh, const std::vector<char>& degenerate,
+                        const Context* ctx, MeshReport& report) {
+  const AabbTree tree(mesh);
   std::vector<Index> candidates;
   for (Index f = 0; f < mesh.triangles.rows(); ++f) {
     if (ctx && f % kTrianglesPerCheckpoint == 0) ctx->checkpoint();
@@ -251,10 +259,11 @@ std::vector<Index> shell_of_triangles(const TriMesh& mesh, const std::vector<Sid
 
 // Number of other shells that contain the shell's first corner: parity of crossings along three
 // rays, by majority.
-std::vector<Index> shell_depths(const TriMesh& mesh, const AabbTree& tree,
-                                const std::vector<Index>& shell, Index shells) {
+std::vector<Index> shell_depths(const TriMesh& mesh, const std::vector<Index>& shell,
+                                Index shells) {
   std::vector<Index> depth(static_cast<std::size_t>(shells), 0);
   if (shells == 1) return depth;
+  const AabbTree tree(mesh);
   // Directions without any relation to coordinates, so that rays miss edges and corners.
   const std::array<Vec3, 3> directions = {
       Vec3(0.3217, 0.7411, 0.5893), Vec3(-0.6131, 0.2239, 0.7577), Vec3(0.1733, -0.8311, -0.5287)};
@@ -281,8 +290,8 @@ std::vector<Index> shell_depths(const TriMesh& mesh, const AabbTree& tree,
 }
 
 // In the order of shell_of_triangles().
-std::vector<Shell> measured_shells(const TriMesh& mesh, const AabbTree& tree,
-                                   const std::vector<Index>& shell, Index count, bool closed) {
+std::vector<Shell> measured_shells(const TriMesh& mesh, const std::vector<Index>& shell,
+                                   Index count, bool closed) {
   std::vector<Shell> shells(static_cast<std::size_t>(count));
   for (Index f = 0; f < mesh.triangles.rows(); ++f) {
     Shell& s = shells[static_cast<std::size_t>(shell[static_cast<std::size_t>(f)])];
@@ -291,7 +300,7 @@ std::vector<Shell> measured_shells(const TriMesh& mesh, const AabbTree& tree,
     s.volume += (t[0] - s.place).dot((t[1] - s.place).cross(t[2] - s.place)) / 6;
   }
   if (!closed) return shells;
-  const std::vector<Index> depth = shell_depths(mesh, tree, shell, count);
+  const std::vector<Index> depth = shell_depths(mesh, shell, count);
   for (std::size_t i = 0; i < shells.size(); ++i) {
     shells[i].depth = depth[i];
     shells[i].inverted = depth[i] % 2 == 0 ? shells[i].volume < 0 : shells[i].volume > 0;
@@ -372,7 +381,7 @@ void turn_inverted_shells(TriMesh& mesh, std::vector<std::string>& repairs) {
   if (mesh.triangles.rows() == 0 || !is_closed_and_oriented(sides)) return;
   Index count = 0;
   const std::vector<Index> shell = shell_of_triangles(mesh, sides, count);
-  const std::vector<Shell> shells = measured_shells(mesh, AabbTree(mesh), shell, count, true);
+  const std::vector<Shell> shells = measured_shells(mesh, shell, count, true);
   const bool all =
       std::all_of(shells.begin(), shells.end(), [](const Shell& s) { return s.inverted; });
   std::size_t turned = 0;
@@ -429,12 +438,11 @@ MeshReport inspect_surface(const TriMesh& mesh, const Context* ctx) {
   inspect_edges(mesh, sides, report);
   inspect_vertices(mesh, sides, report);
   inspect_triangles(mesh, report, degenerate);
-  const AabbTree tree(mesh);
-  find_intersections(mesh, tree, degenerate, ctx, report);
+  find_intersections(mesh, degenerate, ctx, report);
 
   Index shells = 0;
   const std::vector<Index> shell = shell_of_triangles(mesh, sides, shells);
-  report.shells = measured_shells(mesh, tree, shell, shells, is_closed_and_oriented(sides));
+  report.shells = measured_shells(mesh, shell, shells, is_closed_and_oriented(sides));
   std::stable_sort(report.shells.begin(), report.shells.end(), [](const Shell& a, const Shell& b) {
     return std::abs(a.volume) > std::abs(b.volume);
   });
