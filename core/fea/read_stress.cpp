@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/error.h"
+#include "mesh/read_vtu.h"
 #include "mesh/text_scanner.h"
 
 namespace s3 {
@@ -135,6 +136,17 @@ StressField from_tensors(const Table& table, std::string_view file_name) {
   return field;
 }
 
+/// Stores one tet's principal stress. Where nothing pulls, there may be no direction, and none is
+/// needed.
+/// @return false for tension without a direction
+bool set_direction(StressField& field, Eigen::Index t, double value, const Vec3& direction) {
+  const double length = direction.stableNorm();
+  field.principal_value[t] = value;
+  field.principal.row(t) = Vec3::UnitX().transpose();
+  if (length > 0) field.principal.row(t) = direction.transpose() / length;
+  return length > 0 || value <= 0;
+}
+
 StressField from_directions(const Table& table, std::string_view file_name) {
   const auto count = static_cast<Eigen::Index>(table.rows.size());
   StressField field;
@@ -142,25 +154,101 @@ StressField from_directions(const Table& table, std::string_view file_name) {
   field.principal_value.resize(count);
   for (Eigen::Index t = 0; t < count; ++t) {
     const Row& row = table.rows[static_cast<std::size_t>(t)];
-    const Vec3 direction(row[1], row[2], row[3]);
-    const double length = direction.stableNorm();
-    // Where nothing pulls, there may be no direction, and none is needed.
-    if (!(length > 0) && row[0] > 0)
+    if (!set_direction(field, t, row[0], Vec3(row[1], row[2], row[3])))
       bad_file(file_name, table.line[static_cast<std::size_t>(t)], "tension without a direction");
-    field.principal_value[t] = row[0];
-    field.principal.row(t) = Vec3::UnitX().transpose();
-    if (length > 0) field.principal.row(t) = direction.transpose() / length;
   }
   return field;
+}
+
+StressField from_text(std::span<const std::byte> bytes, std::string_view file_name,
+                      Index tet_count) {
+  const Table table = parse_table(as_text(bytes), file_name, tet_count);
+  return table.columns == kTensorColumns ? from_tensors(table, file_name)
+                                         : from_directions(table, file_name);
+}
+
+[[noreturn]] void bad_vtu(std::string_view file_name, const std::string& what) {
+  throw Error(
+      ErrorKind::input, Stage::fea, "fea.bad_stress_file",
+      std::string(file_name) + ": " + what + ".",
+      "Expected is cell data `stress` with 6 or 9 components, or `tau_max` with 3 and `sigma_max` "
+      "with 1.");
+}
+
+const VtuArray* find_array(const VtuFile& file, const std::string& name) {
+  const auto found = file.cell_data.find(name);
+  return found == file.cell_data.end() ? nullptr : &found->second;
+}
+
+void check_finite(const VtuArray& array, std::string_view file_name, const std::string& name) {
+  for (std::size_t i = 0; i < array.values.size(); ++i)
+    if (!std::isfinite(array.values[i]))
+      bad_vtu(file_name, "`" + name + "` is not a number in tet " +
+                             std::to_string(i / static_cast<std::size_t>(array.components)));
+}
+
+StressField from_vtu_tensors(const VtuArray& array, Eigen::Index count) {
+  StressField field;
+  field.stress.resize(count, 6);
+  field.principal.resize(count, 3);
+  field.principal_value.resize(count);
+  for (Eigen::Index t = 0; t < count; ++t) {
+    const double* s = array.values.data() + t * array.components;
+    if (array.components == 6)
+      field.stress.row(t) << s[0], s[1], s[2], s[4], s[5], s[3];
+    else
+      field.stress.row(t) << s[0], s[4], s[8], 0.5 * (s[5] + s[7]), 0.5 * (s[2] + s[6]),
+          0.5 * (s[1] + s[3]);
+    const PrincipalStress largest = largest_principal_stress(field.stress.row(t).transpose());
+    field.principal_value[t] = largest.value;
+    field.principal.row(t) = largest.direction.transpose();
+  }
+  return field;
+}
+
+StressField from_vtu(std::span<const std::byte> bytes, std::string_view file_name,
+                     Index tet_count) {
+  const VtuFile file = read_vtu(bytes, file_name);
+  if (file.tets.rows() != tet_count)
+    throw Error(ErrorKind::input, Stage::fea, "fea.stress_count",
+                std::string(file_name) + " has " + std::to_string(file.tets.rows()) +
+                    " tets, but the mesh has " + std::to_string(tet_count) + ".",
+                "Use the stress file that belongs to this tet mesh.");
+  if (const VtuArray* stress = find_array(file, "stress")) {
+    if (stress->components != 6 && stress->components != 9)
+      bad_vtu(file_name, "`stress` has " + std::to_string(stress->components) + " components");
+    check_finite(*stress, file_name, "stress");
+    return from_vtu_tensors(*stress, tet_count);
+  }
+  const VtuArray* direction = find_array(file, "tau_max");
+  const VtuArray* value = find_array(file, "sigma_max");
+  if (direction == nullptr || value == nullptr || direction->components != 3 ||
+      value->components != 1)
+    bad_vtu(file_name, "no stress in the cell data");
+  check_finite(*direction, file_name, "tau_max");
+  check_finite(*value, file_name, "sigma_max");
+  StressField field;
+  field.principal.resize(tet_count, 3);
+  field.principal_value.resize(tet_count);
+  for (Index t = 0; t < tet_count; ++t) {
+    const double* d = direction->values.data() + 3 * static_cast<std::ptrdiff_t>(t);
+    if (!set_direction(field, t, value->values[t], Vec3(d[0], d[1], d[2])))
+      bad_vtu(file_name, "tension without a direction in tet " + std::to_string(t));
+  }
+  return field;
+}
+
+bool looks_like_xml(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '<';
 }
 
 }  // namespace
 
 StressField read_stress(std::span<const std::byte> bytes, std::string_view file_name,
                         Index tet_count, double critical_ratio) {
-  const Table table = parse_table(as_text(bytes), file_name, tet_count);
-  StressField field = table.columns == kTensorColumns ? from_tensors(table, file_name)
-                                                      : from_directions(table, file_name);
+  StressField field = looks_like_xml(as_text(bytes)) ? from_vtu(bytes, file_name, tet_count)
+                                                     : from_text(bytes, file_name, tet_count);
   field.critical_tets = critical_tets(field.principal_value, critical_ratio);
   return field;
 }

@@ -44,15 +44,17 @@ void describe(Visitor& v, StrengthParams& p) {
               .stage = Stage::fea});
 }
 
-/// Reads stress from CSV text. Columns may be separated by commas, semicolons or blanks; one header
-/// line is allowed.
+/// Reads stress from CSV text or a VTU file. Columns may be separated by commas, semicolons or
+/// blanks; one header line is allowed.
 ///
 /// Eight columns `index,maxPrincipal,S11,S22,S33,S12,S13,S23`: 1-based tet indices in any order;
 /// principal value and direction come from the tensor. Five columns `principal x y z line-id`, one
 /// row a tet in order: the direction is normalised. The frame is that of the file: see
 /// rotate_stress().
 /// @param critical_ratio  see critical_tets()
-/// @throws Error "fea.bad_stress_file" with the line, "fea.stress_count" when the rows are not #T
+/// @throws Error "fea.bad_stress_file" with the line, "fea.stress_count" when the rows are not #T,
+/// "mesh.bad_file" for a
+///         damaged VTU file
 StressField read_stress(std::span<const std::byte> bytes, std::string_view file_name,
                         Index tet_count, double critical_ratio);
 

@@ -26,10 +26,7 @@ class LdltSolver final : public SpdSolver {
     SolveReport report;
     if (B.size() == 0) return report;
     X = factorization_.solve(Eigen::MatrixXd(B));
-    const Block residual = B - matrix_ * X;
-    for (Eigen::Index c = 0; c < B.cols(); ++c)
-      if (const double b = B.col(c).norm(); b > 0)
-        report.relative_residual = std::max(report.relative_residual, residual.col(c).norm() / b);
+    report.relative_residual = worst_residual(matrix_, B, X);
     return report;
   }
 

@@ -74,6 +74,15 @@ void check_sizes(Eigen::Index rows, const Block& B, const Block& X) {
                     std::to_string(X.rows()) + "×" + std::to_string(X.cols()) + ".");
 }
 
+double worst_residual(const SparseMatrix& A, const Block& B, const Block& X) {
+  const Block residual = B - A * X;
+  double worst = 0;
+  for (Eigen::Index c = 0; c < B.cols(); ++c)
+    if (const double b = B.col(c).norm(); b > 0)
+      worst = std::max(worst, residual.col(c).norm() / b);
+  return worst;
+}
+
 std::unique_ptr<SpdSolver> make_solver(const SolverOptions& options) {
   switch (options.kind) {
     case SolverKind::multigrid:
@@ -82,7 +91,11 @@ std::unique_ptr<SpdSolver> make_solver(const SolverOptions& options) {
     case SolverKind::ldlt:
       return make_ldlt_solver();
     case SolverKind::cholmod:
+#ifdef S3_WITH_CHOLMOD
+      return make_cholmod_solver();
+#else
       break;
+#endif
   }
   throw Error(ErrorKind::input, Stage::deformation, "solver.unavailable",
               "This build does not have the solver CHOLMOD.",

@@ -132,6 +132,50 @@ TEST_CASE("stress files that do not fit the mesh or are damaged name the line") 
     CHECK(fault("1" + zeros + index + zeros, 2).starts_with("fea.bad_stress_file: s.csv: line 2"));
 }
 
+namespace {
+
+/// One tet with one array of cell data.
+std::string vtu(const std::string& arrays) {
+  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+         "byte_order=\"LittleEndian\">"
+         "<UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><Points>"
+         "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 "
+         "0 0 1</DataArray>"
+         "</Points><Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 "
+         "3</DataArray>"
+         "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray>"
+         "<DataArray type=\"UInt8\" Name=\"types\" "
+         "format=\"ascii\">10</DataArray></Cells><CellData>" +
+         arrays + "</CellData></Piece></UnstructuredGrid></VTKFile>\n";
+}
+
+std::string array(const std::string& name, int components, const std::string& values) {
+  return "<DataArray type=\"Float64\" Name=\"" + name + "\" NumberOfComponents=\"" +
+         std::to_string(components) + "\" format=\"ascii\">" + values + "</DataArray>";
+}
+
+}  // namespace
+
+TEST_CASE("stress comes from VTU cell data as tensors of 6 or 9 components or as directions") {
+  const double expected[6] = {1, 2, 3, 23, 13, 12};
+  for (const std::string text :
+       {array("stress", 6, "1 2 3 12 23 13"), array("stress", 9, "1 12 13 12 2 23 13 23 3")}) {
+    const StressField field = read(vtu(text), 1);
+    for (int c = 0; c < 6; ++c) CHECK(field.stress(0, c) == expected[c]);
+    CHECK(field.principal.row(0).norm() == doctest::Approx(1));
+    CHECK(field.critical_tets == std::vector<Index>{0});
+  }
+  const StressField field = read(vtu(array("tau_max", 3, "0 3 4") + array("sigma_max", 1, "7")), 1);
+  CHECK((field.principal.row(0).transpose() - Vec3(0, 0.6, 0.8)).norm() < 1e-15);
+  CHECK(field.principal_value[0] == 7);
+
+  CHECK(fault(vtu(array("stress", 3, "1 2 3")), 1).starts_with("fea.bad_stress_file"));
+  CHECK(fault(vtu(array("tau_max", 3, "1 2 3")), 1).starts_with("fea.bad_stress_file"));
+  CHECK(fault(vtu(array("tau_max", 3, "0 0 0") + array("sigma_max", 1, "7")), 1)
+            .starts_with("fea.bad_stress_file"));
+  CHECK(fault(vtu(array("stress", 6, "1 2 3 12 23 13")), 2).starts_with("fea.stress_count"));
+}
+
 TEST_CASE("random bytes as a stress file are an error, never a crash") {
   std::mt19937 random(11);
   const std::string alphabet = "0123456789.,- \n\teE+#\xff;x";
