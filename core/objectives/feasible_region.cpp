@@ -16,8 +16,13 @@ namespace {
 // error of the square root of the rounding error.
 constexpr double kBorder = 1e-8;
 
-// Four faces with one cap and two band circles each, and the two circles of S.
-constexpr int kMaxCircles = 4 * 3 + 2;
+// Four faces with one cap and two band circles each, the two circles of S, the machine's cone, and
+// the rise.
+constexpr int kMaxCircles = 4 * 3 + 2 + 1 + 1;
+
+// A direction that the machine cannot reach is of no use, however well it suits the objectives
+// (weights in [0, 1]).
+constexpr double kOutOfReach = 100;
 
 struct Circles {
   std::array<SphereCircle, kMaxCircles> list;
@@ -39,6 +44,8 @@ Circles circles_of(const FeasibleRegion& region) {
     circles.add(region.tau, b.sin_beta);
     circles.add(region.tau, -b.sin_beta);
   }
+  if (region.cos_tilt > -1) circles.add(build_direction(), region.cos_tilt);
+  if (region.must_rise) circles.add(region.rise, kLeastRise);
   return circles;
 }
 
@@ -57,6 +64,8 @@ double quality_angle(const Vec3& normal, const Vec3& d, double sin_gamma) {
 
 bool inside(const FeasibleRegion& region, const Vec3& d) {
   const RegionBounds& b = region.bounds;
+  if (d.z() < region.cos_tilt - kBorder) return false;
+  if (region.must_rise && region.rise.dot(d) < kLeastRise - kBorder) return false;
   for (int i = 0; i < region.face_count; ++i) {
     const FeasibleRegion::Face& face = region.faces[i];
     const double cosine = face.normal.dot(d);
@@ -162,6 +171,9 @@ double region_violation(const FeasibleRegion& region, const Vec3& d) {
     if (face.quality) sum += b.surface_quality * quality_angle(face.normal, d, b.sin_gamma);
   }
   if (region.critical) sum += b.strength * band_angle(region.tau.dot(d), b.sin_beta);
+  if (region.must_rise) sum += cap_angle(region.rise.dot(d), -kLeastRise);
+  if (d.z() < region.cos_tilt)
+    sum += kOutOfReach * (angle_between(d, build_direction()) - std::acos(region.cos_tilt));
   return sum;
 }
 

@@ -18,7 +18,11 @@ struct RegionBounds {
 /// violated again at once
 RegionBounds region_bounds(const ObjectiveParams& params, double alpha_margin = 0);
 
-/// H_e of Eq. 7: the intersection over all boundary faces of the tet, and over S.
+/// Sine of the least angle at which layers that must rise do so.
+inline constexpr double kLeastRise = 0.1;
+
+/// H_e of Eq. 7: the intersection over all boundary faces of the tet, and over S; with what the
+/// machine and the support of islands ask for.
 struct FeasibleRegion {
   struct Face {
     Vec3 normal;
@@ -29,7 +33,10 @@ struct FeasibleRegion {
   int face_count = 0;
   bool critical = false;  // in S
   Vec3 tau = Vec3::Zero();
-  bool on_plate = false;  // it has a face on the plate: it prefers d = z
+  bool on_plate = false;   // it has a face on the plate: it prefers d = z
+  double cos_tilt = -1;    // the machine reaches d with d·z ≥ cos_tilt; −1 reaches everything
+  bool must_rise = false;  // layers must rise along `rise` (unit vector): d·rise ≥ kLeastRise
+  Vec3 rise = Vec3::Zero();
 
   /// Something is asked of this tet (Π and w_k look at these only).
   bool constrained() const { return face_count > 0 || critical; }

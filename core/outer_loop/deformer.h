@@ -7,6 +7,7 @@
 #include "mesh/tet_mesh.h"
 #include "objectives/objectives.h"
 #include "params/param_info.h"
+#include "scalar_field/islands.h"
 #include "scalar_field/scalar_field.h"
 
 namespace s3 {
@@ -25,12 +26,6 @@ void describe(Visitor& v, DeformParams& p) {
   v(p.scale_compatibility, ParamInfo{.key = "deform.scale_compatibility", .label = "Scale compatibility", .unit = "", .doc = "Weight w_c of Eq. 12: how alike neighbouring scales stay.", .min = 0, .max = 1e6, .stage = Stage::outer_loop, .advanced = true});
   v(p.max_tilt_deg, ParamInfo{.key = "deform.max_tilt", .label = "Largest tilt", .unit = "deg", .doc = "Angle from z that the print direction may reach; the machine profile gives the default.", .min = 1, .max = 90, .stage = Stage::outer_loop});
 }
-
-/// A local minimum of G away from the plate: material that would start in the air.
-struct Island {
-  Vec3 place = Vec3::Zero();  // centroid of the minimum's vertices, mm
-  double volume = 0;          // mm³ printed before it merges with supported material
-};
 
 struct DeformTimings {  // seconds, wall
   double lpd_projection = 0, quaternion = 0, deformation = 0, refinement = 0, foldover = 0;

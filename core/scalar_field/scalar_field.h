@@ -1,4 +1,5 @@
-// The field G whose isosurfaces are the layers (Sec. 2.3 step 5, Sec. 4.1): piecewise linear on the rest mesh.
+// The field G whose isosurfaces are the layers (Sec. 2.3 step 5, Sec. 4.1): piecewise linear on the
+// rest mesh.
 #pragma once
 #include "base/types.h"
 #include "mesh/tet_mesh.h"

@@ -1,0 +1,118 @@
+#include "scalar_field/islands.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace s3 {
+
+namespace {
+
+// Heights closer than this share of the whole count as equal: a flat underside is one island.
+constexpr double kFlat = 1e-9;
+
+// What has been printed and is connected.
+struct Part {
+  double begin = 0;   // G of its first vertex
+  double volume = 0;  // mm³
+  bool supported = false;
+  std::vector<Index> minimum;  // vertices of the flat minimum that it grew from
+};
+
+// Vertices that share a tet, as one list for each vertex.
+struct VertexGraph {
+  std::vector<Index> begin, neighbor;
+};
+
+VertexGraph vertex_graph(const TetMesh& rest) {
+  // An edge appears once for each tet around it; the repetitions cost less than finding them.
+  VertexGraph graph;
+  graph.begin.assign(static_cast<std::size_t>(rest.vertex_count()) + 1, 0);
+  for (Index t = 0; t < rest.tet_count(); ++t)
+    for (int i = 0; i < 4; ++i) graph.begin[rest.tets(t, i) + 1] += 3;
+  std::partial_sum(graph.begin.begin(), graph.begin.end(), graph.begin.begin());
+  graph.neighbor.resize(static_cast<std::size_t>(graph.begin.back()));
+  std::vector<Index> next(graph.begin.begin(), graph.begin.end() - 1);
+  for (Index t = 0; t < rest.tet_count(); ++t)
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        if (i != j) graph.neighbor[next[rest.tets(t, i)]++] = rest.tets(t, j);
+  return graph;
+}
+
+}  // namespace
+
+std::vector<FieldMinimum> find_minima(const TetMesh& rest, const ObjectiveField& objectives,
+                                      const Values& value) {
+  const Index n = rest.vertex_count();
+  Values vertex_volume = Values::Zero(n);  // a quarter of the tets around each vertex
+  for (Index t = 0; t < rest.tet_count(); ++t)
+    for (int i = 0; i < 4; ++i)
+      vertex_volume(rest.tets(t, i)) += 0.25 * tet_volume(rest.vertices, rest.tets, t);
+  const VertexGraph graph = vertex_graph(rest);
+  const double flat = kFlat * (value.maxCoeff() - value.minCoeff());
+
+  std::vector<Index> order;
+  for (Index v = 0; v < n; ++v)
+    if (graph.begin[v + 1] > graph.begin[v]) order.push_back(v);
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return value(a) != value(b) ? value(a) < value(b) : a < b; });
+
+  std::vector<Index> parent(static_cast<std::size_t>(n), -1);  // −1: not printed yet
+  const auto find = [&](Index v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  std::vector<Part> part(static_cast<std::size_t>(n));  // of each root
+  std::vector<FieldMinimum> minima;
+  // Joins the part at root b to that at root a; returns the root that stays.
+  const auto join = [&](Index a, Index b, double level) {
+    if (part[b].supported > part[a].supported ||
+        (part[b].supported == part[a].supported && part[b].begin < part[a].begin))
+      std::swap(a, b);
+    // a is supported or older. Parts that began in one flat place are one; otherwise b was an
+    // island until now.
+    if (!part[b].supported) {
+      if (level - part[b].begin > flat) {
+        std::sort(part[b].minimum.begin(), part[b].minimum.end());
+        minima.push_back({part[b].minimum, part[b].volume});
+      } else if (level - part[a].begin <= flat) {
+        part[a].minimum.insert(part[a].minimum.end(), part[b].minimum.begin(),
+                               part[b].minimum.end());
+      }
+    }
+    part[a].volume += part[b].volume;
+    part[b].minimum.clear();
+    parent[b] = a;
+    return a;
+  };
+  for (const Index v : order) {
+    parent[v] = v;
+    part[v] = {value(v), vertex_volume(v), objectives.vertex_on_plate[v] != 0, {v}};
+    Index root = v;
+    for (Index k = graph.begin[v]; k < graph.begin[v + 1]; ++k) {
+      const Index u = graph.neighbor[k];
+      if (parent[u] < 0) continue;
+      const Index other = find(u);
+      if (other != root) root = join(root, other, value(v));
+    }
+  }
+  for (const Index v : order)  // components that never meet the plate
+    if (parent[v] == v && !part[v].supported) {
+      std::sort(part[v].minimum.begin(), part[v].minimum.end());
+      minima.push_back({part[v].minimum, part[v].volume});
+    }
+  return minima;
+}
+
+std::vector<Island> find_islands(const TetMesh& rest, const ObjectiveField& objectives,
+                                 const Values& value) {
+  std::vector<Island> islands;
+  for (const FieldMinimum& minimum : find_minima(rest, objectives, value)) {
+    Vec3 sum = Vec3::Zero();
+    for (const Index v : minimum.vertices) sum += rest.vertices.row(v).transpose();
+    islands.push_back({sum / static_cast<double>(minimum.vertices.size()), minimum.volume});
+  }
+  return islands;
+}
+
+}  // namespace s3

@@ -1,0 +1,347 @@
+#include "scalar_field/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "base/units.h"
+#include "math/sparse_solver.h"
+#include "objectives/feasible_region.h"
+#include "objectives/gauss_sphere.h"
+#include "quaternion_field/concavity_weights.h"
+#include "scalar_field/islands.h"
+
+namespace s3 {
+
+namespace {
+
+// Weights, for each mm³ of the solid; only their ratios matter.
+constexpr double kHard = 10;  // on tets with a surface or stress objective: the unit of the others
+constexpr double kRange = 2;  // the same constraints on all other tets, which have only to follow
+constexpr double kConcavity = 30;    // on faces; 10 leaves some valleys
+constexpr double kSmoothness = 0.2;  // squared jump of ∇G; much more keeps overhangs from turning
+constexpr double kProximity = 0.01;  // to the start: decides only what nothing else does
+constexpr double kQuality = 60;      // soft, SQ: above the smoothness and clamps that resist it
+constexpr double kStrength = 20;     // soft, SR: more costs support and makes islands
+
+// Constraints aim this far inside their border: solutions come to lie around it.
+constexpr double kAlphaMargin = radians(2);
+constexpr double kTiltMargin = radians(1);
+// Valleys over 20° make poor surfaces; the clamp acts before.
+constexpr double kConcaveAngle = radians(16);
+// Duals forget: constraints in conflict would grow without bound.
+constexpr double kLeak = 0.95;
+// Of each solve; the next iteration corrects what it leaves.
+constexpr double kTolerance = 0.1;
+constexpr int kCheckEvery = 5;  // iterations
+
+// Shares that weigh as much as the whole surface in choosing the best iterate.
+constexpr double kConcaveCost = 10;    // of concave pairs and of inverted tets
+constexpr double kIslandCost = 0.002;  // each
+constexpr double kPoorConcaveAngle = radians(20);
+constexpr double kConformalAngle = radians(10);  // a surface this close to its layer looks smooth
+
+constexpr std::size_t kGrain = 4096;
+
+// What is asked of one tet beyond the machine's cone and the range of ‖∇G‖.
+struct TetConstraint {
+  FeasibleRegion hard, soft;
+  double soft_weight = 0;
+};
+
+// The concave jump of ∇G across a face at which the print directions differ by the angle whose
+// tangent is given: the normal parts are b ± k and the tangential part is t, so atan((b + k)/t) −
+// atan((b − k)/t) is the angle.
+double jump_limit(double t2, double b, double tan_angle) {
+  const double t = std::sqrt(t2);
+  return 2 * (std::sqrt(t2 + tan_angle * tan_angle * (t2 + b * b)) - t) / tan_angle;
+}
+
+double median_length(const Points& vectors) {
+  std::vector<double> length(static_cast<std::size_t>(vectors.rows()));
+  for (std::size_t t = 0; t < length.size(); ++t)
+    length[t] = vectors.row(static_cast<Eigen::Index>(t)).norm();
+  const auto middle = length.begin() + static_cast<std::ptrdiff_t>(length.size() / 2);
+  std::nth_element(length.begin(), middle, length.end());
+  return *middle;
+}
+
+class Refinement {
+ public:
+  Refinement(const TetMesh& rest, const FieldOperators& op, const Anchors& anchors,
+             const ObjectiveField& objectives, const ObjectiveParams& objective_params,
+             const Values& start, const RefineParams& params, Context& ctx);
+
+  Values run();
+
+ private:
+  void make_constraints(const ObjectiveParams& params);
+  void prepare_solver();
+  void clamp_jumps();
+  void project_tets();
+  Vec3 tet_force(Index t);
+  void solve();
+  void support_minima(const std::vector<FieldMinimum>& minima);
+  void support_vertex_above(Index from, Index to);
+  double score(Index islands) const;
+
+  const TetMesh& rest_;
+  const FieldOperators& op_;
+  const Anchors& anchors_;
+  const ObjectiveField& objectives_;
+  const ObjectiveParams& params_;
+  const int iterations_;
+  const double cos_tilt_;
+  Context& ctx_;
+
+  Values value_;
+  Points start_gradient_, gradient_, dual_, force_;
+  double shortest_ = 0, longest_ = 0;  // bounds of ‖∇G‖
+  FeasibleRegion machine_;             // the cone alone
+  std::vector<Index> constraint_of_;   // #T, −1 for none
+  std::vector<TetConstraint> constraints_;
+  Values hard_weight_;             // #T, times volume
+  Values jump_dual_, jump_force_;  // #N
+  std::unique_ptr<SpdSolver> solver_;
+  Values vertex_force_;
+  Block right_, change_;
+};
+
+Refinement::Refinement(const TetMesh& rest, const FieldOperators& op, const Anchors& anchors,
+                       const ObjectiveField& objectives, const ObjectiveParams& objective_params,
+                       const Values& start, const RefineParams& params, Context& ctx)
+    : rest_(rest),
+      op_(op),
+      anchors_(anchors),
+      objectives_(objectives),
+      params_(objective_params),
+      iterations_(params.iterations),
+      cos_tilt_(std::cos(params.max_tilt - kTiltMargin)),
+      ctx_(ctx),
+      value_(start),
+      dual_(Points::Zero(rest.tet_count(), 3)),
+      force_(rest.tet_count(), 3),
+      jump_dual_(Values::Zero(rest.face_pairs.rows())),
+      jump_force_(rest.face_pairs.rows()),
+      right_(anchors.free_count, 1),
+      change_(anchors.free_count, 1) {
+  op_.gradients(value_, start_gradient_, ctx_);
+  const double usual = median_length(start_gradient_);
+  shortest_ = usual / std::sqrt(params.thickness_ratio);
+  longest_ = usual * std::sqrt(params.thickness_ratio);
+  machine_.cos_tilt = cos_tilt_;
+  make_constraints(objective_params);
+  prepare_solver();
+}
+
+void Refinement::make_constraints(const ObjectiveParams& params) {
+  RegionBounds hard = region_bounds(params, kAlphaMargin);
+  const RegionBounds soft = region_bounds(params);
+  constraint_of_.assign(static_cast<std::size_t>(rest_.tet_count()), -1);
+  hard_weight_.resize(rest_.tet_count());
+  for (Index t = 0; t < rest_.tet_count(); ++t) {
+    hard_weight_(t) = kRange * op_.volume(t);
+    TetConstraint c{.hard = machine_, .soft = feasible_region(objectives_, soft, t)};
+    if (!c.soft.constrained()) continue;
+    c.soft.on_plate = false;  // the anchors hold the plate
+    c.soft.cos_tilt = cos_tilt_;
+    if (params.support_free > 0) {
+      c.hard = feasible_region(objectives_, hard, t);
+      c.hard.on_plate = c.hard.critical = false;
+      c.hard.cos_tilt = cos_tilt_;
+      for (FeasibleRegion::Face& face : c.hard.faces) face.quality = false;
+    }
+    const bool quality = std::any_of(c.soft.faces.begin(), c.soft.faces.begin() + c.soft.face_count,
+                                     [](const auto& face) { return face.quality; });
+    if (quality) c.soft_weight = kQuality;
+    if (c.soft.critical) c.soft_weight = std::max(c.soft_weight, kStrength);
+    hard_weight_(t) = kHard * op_.volume(t);
+    constraint_of_[t] = static_cast<Index>(constraints_.size());
+    constraints_.push_back(c);
+  }
+}
+
+void Refinement::prepare_solver() {
+  Values tet_weight(rest_.tet_count()), pair_weight(rest_.face_pairs.rows());
+  for (Index t = 0; t < rest_.tet_count(); ++t) {
+    const double soft = constraint_of_[t] < 0 ? 0 : constraints_[constraint_of_[t]].soft_weight;
+    tet_weight(t) = hard_weight_(t) + (kProximity + soft) * op_.volume(t);
+  }
+  for (Index p = 0; p < rest_.face_pairs.rows(); ++p)
+    pair_weight(p) = (kSmoothness + kConcavity) * op_.face_weight(p);
+  solver_ = make_solver({.tolerance = kTolerance});
+  solver_->factor(op_.energy(tet_weight, pair_weight, anchors_.free_index, ctx_), ctx_);
+}
+
+Values Refinement::run() {
+  Values best = value_;
+  double best_score = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration <= iterations_; ++iteration) {
+    op_.gradients(value_, gradient_, ctx_);
+    if (iteration % kCheckEvery == 0 && iteration > 0) {
+      const std::vector<FieldMinimum> minima = find_minima(rest_, objectives_, value_);
+      support_minima(minima);
+      const double now = score(static_cast<Index>(minima.size()));
+      if (2 * iteration >= iterations_ && now < best_score) {
+        best_score = now;
+        best = value_;
+      }
+    }
+    if (iteration == iterations_) break;
+    clamp_jumps();
+    project_tets();
+    solve();
+    ctx_.progress(Stage::scalar_field, (iteration + 1.0) / iterations_);
+  }
+  return best;
+}
+
+void Refinement::clamp_jumps() {
+  const double tan_angle = std::tan(kConcaveAngle);
+  parallel_for(
+      ctx_.pool, static_cast<std::size_t>(rest_.face_pairs.rows()), kGrain,
+      [&](std::size_t begin, std::size_t end) {
+        for (auto p = static_cast<Index>(begin); p < static_cast<Index>(end); ++p) {
+          const Vec3 n = op_.face_normal(p);
+          const Vec3 first = gradient_.row(rest_.face_pairs(p, 0));
+          const double a = first.dot(n);
+          const double b = gradient_.row(rest_.face_pairs(p, 1)).dot(n);
+          const double jump = b - a;
+          const double across = std::max(0.0, first.squaredNorm() - a * a);
+          const double wanted = jump + jump_dual_(p);
+          // Valleys are negative jumps.
+          const double kept = std::max(wanted, -jump_limit(across, 0.5 * (a + b), tan_angle));
+          jump_dual_(p) = kLeak * (wanted - kept);
+          jump_force_(p) = op_.face_weight(p) *
+                           (kConcavity * (kept - jump_dual_(p) - jump) - kSmoothness * jump);
+        }
+      });
+}
+
+void Refinement::project_tets() {
+  parallel_for(ctx_.pool, static_cast<std::size_t>(rest_.tet_count()), kGrain,
+               [&](std::size_t begin, std::size_t end) {
+                 ctx_.checkpoint();
+                 for (auto t = static_cast<Index>(begin); t < static_cast<Index>(end); ++t)
+                   force_.row(t) = tet_force(t);
+               });
+}
+
+// Minus half the derivative of all terms of a tet by its gradient.
+Vec3 Refinement::tet_force(Index t) {
+  const TetConstraint* c = constraint_of_[t] < 0 ? nullptr : &constraints_[constraint_of_[t]];
+  const Vec3 g = gradient_.row(t);
+  const Vec3 wanted = g + dual_.row(t).transpose();
+  const double length = wanted.norm();
+  const Vec3 aim = length > 0 ? Vec3(wanted / length) : build_direction();
+  const Vec3 direction = project_to_region(c ? c->hard : machine_, aim).direction;
+  const Vec3 kept = std::clamp(direction.dot(wanted), shortest_, longest_) * direction;
+  dual_.row(t) = kLeak * (wanted - kept);
+  Vec3 force = hard_weight_(t) * (kept - dual_.row(t).transpose() - g) +
+               kProximity * op_.volume(t) * (start_gradient_.row(t).transpose() - g);
+  if (c && c->soft_weight > 0) {
+    const double size = g.norm();
+    const Vec3 target =
+        project_to_region(c->soft, size > 0 ? Vec3(g / size) : build_direction()).direction;
+    force += c->soft_weight * op_.volume(t) *
+             (std::clamp(target.dot(g), shortest_, longest_) * target - g);
+  }
+  for (int f = 0; f < 4; ++f) {
+    const Index p = op_.pair_across(t, f);
+    if (p < 0) continue;
+    const double sign = rest_.face_pairs(p, 0) == t ? -1 : 1;
+    force += sign * jump_force_(p) * op_.face_normal(p);
+  }
+  return force;
+}
+
+void Refinement::solve() {
+  op_.adjoint(force_, vertex_force_, ctx_);
+  anchors_.gather_free(vertex_force_, right_);
+  change_.setZero();
+  solver_->solve(right_, change_, ctx_);
+  anchors_.add_free(change_, value_);
+}
+
+// An island has neighbours in the solid that could be printed before it: the layers shall rise from
+// the one that comes first, among those that the machine's tilt allows.
+void Refinement::support_minima(const std::vector<FieldMinimum>& minima) {
+  const double steepest = -std::sqrt(1 - cos_tilt_ * cos_tilt_) + kLeastRise;
+  for (const FieldMinimum& minimum : minima) {
+    double least = std::numeric_limits<double>::infinity();
+    Index from = -1, to = -1;
+    for (const Index v : minimum.vertices)
+      op_.for_each_tet_around(v, [&](Index t) {
+        for (int i = 0; i < 4; ++i) {
+          const Index u = rest_.tets(t, i);
+          if (std::binary_search(minimum.vertices.begin(), minimum.vertices.end(), u)) continue;
+          const Vec3 edge = rest_.vertices.row(v) - rest_.vertices.row(u);
+          const double slope = (value_(u) - value_(v)) / edge.norm();
+          if (edge.z() < steepest * edge.norm() || slope >= least) continue;
+          least = slope;
+          from = u;
+          to = v;
+        }
+      });
+    if (from >= 0) support_vertex_above(from, to);
+  }
+}
+
+void Refinement::support_vertex_above(Index from, Index to) {
+  const Vec3 rise = (rest_.vertices.row(to) - rest_.vertices.row(from)).normalized();
+  op_.for_each_tet_around(to, [&](Index t) {
+    bool around = false;
+    for (int i = 0; i < 4; ++i) around = around || rest_.tets(t, i) == from;
+    if (!around) return;
+    if (constraint_of_[t] < 0) {
+      constraint_of_[t] = static_cast<Index>(constraints_.size());
+      constraints_.push_back({.hard = machine_, .soft = machine_});
+    }
+    FeasibleRegion& region = constraints_[constraint_of_[t]].hard;
+    region.must_rise = true;
+    region.rise = rise;
+  });
+}
+
+double Refinement::score(Index islands) const {
+  double area = 0, overhang = 0, rough = 0;
+  const RegionBounds bounds = region_bounds(params_);
+  for (Eigen::Index f = 0; f < objectives_.face_area.size(); ++f) {
+    if (objectives_.face_exempt[f]) continue;
+    const Vec3 g = gradient_.row(rest_.boundary_face_tet[f]);
+    const double cosine = objectives_.face_normal.row(f).dot(g) / g.norm();
+    area += objectives_.face_area(f);
+    if (cosine < -bounds.sin_alpha) overhang += objectives_.face_area(f);
+    if (objectives_.face_wants_quality[f] && std::abs(cosine) > bounds.sin_gamma &&
+        std::abs(cosine) < std::cos(kConformalAngle))
+      rough += objectives_.face_area(f);
+  }
+  double stray = 0, critical = 0;
+  Index down = 0;
+  for (Index t = 0; t < rest_.tet_count(); ++t) {
+    const Vec3 g = gradient_.row(t);
+    down += g.z() <= 0;
+    if (objectives_.critical.empty() || !objectives_.critical[t]) continue;
+    critical += 1;
+    stray += std::abs(objectives_.tau_max.row(t).dot(g)) > bounds.sin_beta * g.norm();
+  }
+  Directions direction = gradient_.rowwise().normalized();
+  const double concave = count_concave_over(concave_angles(rest_, direction), kPoorConcaveAngle);
+  return bounds.support_free * overhang / area + bounds.surface_quality * rough / area +
+         (critical > 0 ? bounds.strength * stray / critical : 0) +
+         kConcaveCost * (concave + down) / rest_.tet_count() + kIslandCost * islands;
+}
+
+}  // namespace
+
+Values refine_field(const TetMesh& rest, const FieldOperators& operators, const Anchors& anchors,
+                    const ObjectiveField& objectives, const ObjectiveParams& objective_params,
+                    const Values& start, const RefineParams& params, Context& ctx) {
+  if (anchors.free_count == 0) return start;
+  return Refinement(rest, operators, anchors, objectives, objective_params, start, params, ctx)
+      .run();
+}
+
+}  // namespace s3
