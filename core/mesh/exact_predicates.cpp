@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kEpsilon = 0.5 * std::numeric_limits<double>::epsilon();  // 2⁻⁵³
 constexpr double kFilter3d = (7 + 56 * kEpsilon) * kEpsilon;
+// Relative error of a dot product of differences, with room: three differences, products and sums
+// of 2⁻⁵³ each.
+constexpr double kMargin = 1e-14;
 constexpr double kFilter2d = (3 + 16 * kEpsilon) * kEpsilon;
 
 // At most N terms, which is enough for what is added to it.
@@ -158,6 +161,52 @@ bool coplanar_segment_meets(const Vec3& p, const Vec3& q, const Corners& t) {
   return false;
 }
 
+// True when a plane across `axis` certainly parts the triangles. Any axis may be tried; the margin
+// covers the rounding.
+bool apart_along(const Vec3& axis, const Corners& s, const Corners& t) {
+  double s_low = 0, s_high = 0, t_low = std::numeric_limits<double>::infinity(), t_high = -t_low,
+         size = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    const Vec3 p = s[i] - s[0];
+    const double at = p.dot(axis);
+    s_low = std::min(s_low, at), s_high = std::max(s_high, at);
+    size = std::max(size, p.cwiseAbs().maxCoeff());
+  }
+  for (const Vec3& corner : t) {
+    const Vec3 p = corner - s[0];
+    const double at = p.dot(axis);
+    t_low = std::min(t_low, at), t_high = std::max(t_high, at);
+    size = std::max(size, p.cwiseAbs().maxCoeff());
+  }
+  const double margin = kMargin * size * axis.cwiseAbs().sum();
+  return s_high + margin < t_low || t_high + margin < s_low;
+}
+
+// Normals, and within the planes the normals of the edges: what parts most pairs, also coplanar
+// ones, without exact signs.
+bool certainly_apart(const Corners& s, const Corners& t) {
+  if (apart_along((t[0] + t[1] + t[2]) - (s[0] + s[1] + s[2]), s, t)) return true;
+  for (const Corners* c : {&s, &t}) {
+    const Vec3 normal = ((*c)[1] - (*c)[0]).cross((*c)[2] - (*c)[0]);
+    if (apart_along(normal, s, t)) return true;
+    for (std::size_t i = 0; i < 3; ++i)
+      if (apart_along(normal.cross((*c)[(i + 1) % 3] - (*c)[i]), s, t)) return true;
+  }
+  return false;
+}
+
+// True when a plane through the common corner certainly has one triangle on either side: across the
+// difference of the directions in which they leave the corner.
+bool certainly_meet_in_corner_only(const Corners& s, const Corners& t) {
+  const Vec3 a = s[1] - s[0], b = s[2] - s[0], c = t[1] - t[0], d = t[2] - t[0];
+  const Vec3 axis = (a.normalized() + b.normalized()).normalized() -
+                    (c.normalized() + d.normalized()).normalized();
+  const auto beyond = [&](const Vec3& p) {
+    return p.dot(axis) > kMargin * p.cwiseAbs().maxCoeff() * axis.cwiseAbs().sum();
+  };
+  return beyond(a) && beyond(b) && beyond(-c) && beyond(-d);
+}
+
 // All corners of t strictly on one side of the plane of s.
 bool plane_separates(const Corners& s, const Corners& t) {
   const int side = orient3d(s[0], s[1], s[2], t[0]);
@@ -176,6 +225,8 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
                            (std::abs(wxuy) + std::abs(uxwy)) * std::abs(v.z()) +
                            (std::abs(uxvy) + std::abs(vxuy)) * std::abs(w.z());
   if (std::abs(det) > kFilter3d * permanent) return sign_of(det);
+  for (int k = 0; k < 3; ++k)  // planes across an axis, which CAD models are full of
+    if (a[k] == d[k] && b[k] == d[k] && c[k] == d[k]) return 0;
   return exact_orient3d(a, b, c, d);
 }
 
@@ -202,6 +253,7 @@ bool segment_meets_triangle(const Vec3& p, const Vec3& q, const Corners& t) {
 }
 
 bool triangles_meet(const Corners& s, const Corners& t) {
+  if (certainly_apart(s, t)) return false;
   if (plane_separates(s, t) || plane_separates(t, s)) return false;
   for (std::size_t i = 0; i < 3; ++i)
     if (segment_meets_triangle(s[i], s[(i + 1) % 3], t) ||
@@ -211,12 +263,17 @@ bool triangles_meet(const Corners& s, const Corners& t) {
 }
 
 bool triangles_meet_beyond_corner(const Corners& s, const Corners& t) {
+  if (certainly_meet_in_corner_only(s, t)) return false;
   // Wherever they overlap, a ray from the common corner leaves one of them through its opposite
   // edge.
   return segment_meets_triangle(s[1], s[2], t) || segment_meets_triangle(t[1], t[2], s);
 }
 
 bool triangles_fold_over_edge(const Corners& s, const Corners& t) {
+  const Vec3 edge = s[1] - s[0], u = s[2] - s[0], v = t[2] - s[0];
+  // Folded triangles have equal normals when both are seen along the common edge.
+  if (edge.cross(u).dot(edge.cross(v)) < -kMargin * 10 * edge.squaredNorm() * u.norm() * v.norm())
+    return false;
   if (orient3d(s[0], s[1], s[2], t[2]) != 0) return false;
   const int drop = projection_axis(s);
   return drop >= 0 && orient2d(s[0], s[1], s[2], drop) * orient2d(s[0], s[1], t[2], drop) > 0;

@@ -1,0 +1,13 @@
+#include "fuzz.h"
+#include "mesh/read_mesh.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  s3::fuzz::run(data, size, [](auto bytes) {
+    const s3::TriMesh mesh = s3::read_stl_ascii(bytes, "fuzz");
+    s3::fuzz::require_in_range(mesh.vertices, mesh.triangles);
+  });
+  return s3::fuzz::run(data, size, [](auto bytes) {
+    const s3::TriMesh mesh = s3::read_stl_binary(bytes, "fuzz");
+    s3::fuzz::require_in_range(mesh.vertices, mesh.triangles);
+  });
+}
