@@ -158,7 +158,7 @@ std::string array(const std::string& name, int components, const std::string& va
 
 TEST_CASE("stress comes from VTU cell data as tensors of 6 or 9 components or as directions") {
   const double expected[6] = {1, 2, 3, 23, 13, 12};
-  for (const std::string text :
+  for (const std::string& text :
        {array("stress", 6, "1 2 3 12 23 13"), array("stress", 9, "1 12 13 12 2 23 13 23 3")}) {
     const StressField field = read(vtu(text), 1);
     for (int c = 0; c < 6; ++c) CHECK(field.stress(0, c) == expected[c]);
