@@ -113,7 +113,7 @@ const MODELS = {
         const base = roundedBox([p[0] - 40, p[1], p[2] + 2], [40, 21, 10], 2.5);
         const wall = roundedBox([p[0] - 4, p[1], p[2] - 25], [4, 21, 35], 2.5);
         const slope = (p[0] - 4) * 0.62 + (p[2] - 4) * 0.78 - 34;
-        const rib = blendCut(blendCut(roundedBox([p[1]], [4], 0), slope, 2), Math.max(2 - p[0], 1 - p[2]), 2);
+        const rib = blendCut(blendCut(roundedBox([p[1]], [4], 0), slope, 7), Math.max(2 - p[0], 1 - p[2]), 2);
         return blend(blend(base, wall, 4), rib, 3);
       },
       (p) => 4.2 - hypot(p[0] - 62, p[1] - 11),
