@@ -6,7 +6,7 @@
 set -euo pipefail
 
 version=1.5.0
-target=${1:?usage: fetch_tetgen.sh DIR}
+target=$(realpath -m "${1:?usage: fetch_tetgen.sh DIR}")
 if [ -f "$target/tetgen.cxx" ]; then exit 0; fi
 
 fail() { echo "fetch_tetgen: $*" >&2; exit 1; }

@@ -97,7 +97,7 @@ void bench(const std::string& model, int threads, const Options& options) {
     const std::string stress = read_file(params.strength.stress_file);
     pipeline.set_stress(bytes_of(stress), params.strength.stress_file);
   }
-  pipeline.set_params(params, bundled_machine(params.machine));
+  pipeline.set_params(params, bundled_machine(params.machine.machine));
 
   using Clock = std::chrono::steady_clock;
   const auto print = [&](const std::string& stage, double cpu, double wall) {
