@@ -284,32 +284,35 @@ Closest AabbTree::closest(const Vec3& p, double max_distance) const {
     const Entry entry = stack[static_cast<std::size_t>(--size)];
     if (entry.distance2 > best2) continue;
     const Node& node = nodes_[static_cast<std::size_t>(entry.node)];
-    std::array<double, 4> d2{};
+    // Lower bounds for the four children at once; Eigen turns each line into one or two vector
+    // instructions.
+    using Four = Eigen::Array<double, 4, 1>;
+    std::array<double, 4> d2;
+    Four sum = Four::Zero();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double x = p[static_cast<Eigen::Index>(axis)];
-      for (std::size_t k = 0; k < 4; ++k) {
-        const double below = node.low[axis][k] - x, above = x - node.high[axis][k];
-        const double out = std::max(std::max(below, above), 0.0);
-        d2[k] += out * out;
-      }
+      const float *low = node.low[axis], *high = node.high[axis];
+      const Four below(low[0] - x, low[1] - x, low[2] - x, low[3] - x);
+      const Four above(x - high[0], x - high[1], x - high[2], x - high[3]);
+      sum += below.max(above).max(0.0).square();
     }
-    // Farthest first, so that the nearest child is on top of the stack and leaves are measured near
-    // to far.
-    std::array<int, 4> order = {0, 1, 2, 3};
-    const auto order_pair = [&](std::size_t i, std::size_t j) {
-      if (d2[static_cast<std::size_t>(order[i])] < d2[static_cast<std::size_t>(order[j])])
-        std::swap(order[i], order[j]);
-    };
-    order_pair(0, 1), order_pair(2, 3), order_pair(0, 2), order_pair(1, 3), order_pair(1, 2);
-    for (int i = 3; i >= 0; --i) {
-      const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(i)]);
-      if (node.count[k] > 0 && d2[k] <= best2) visit_leaf(node.first[k], node.count[k]);
+    Eigen::Map<Four>(d2.data()) = sum;
+    // The children within reach, nearest first: usually one or two.
+    std::array<std::size_t, 4> near;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!(d2[k] <= best2)) continue;
+      std::size_t at = count++;
+      for (; at > 0 && d2[near[at - 1]] > d2[k]; --at) near[at] = near[at - 1];
+      near[at] = k;
     }
-    for (const int child : order) {
-      const auto k = static_cast<std::size_t>(child);
-      if (node.count[k] == 0 && d2[k] <= best2)
-        stack[static_cast<std::size_t>(size++)] = {node.first[k], d2[k]};
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      if (node.count[near[i]] > 0 && d2[near[i]] <= best2)
+        visit_leaf(node.first[near[i]], node.count[near[i]]);
+    // Farthest first, so that the nearest child is on top of the stack.
+    for (std::size_t i = count; i-- > 0;)
+      if (node.count[near[i]] == 0 && d2[near[i]] <= best2)
+        stack[static_cast<std::size_t>(size++)] = {node.first[near[i]], d2[near[i]]};
   }
   if (!best_face) return result;
   result.distance = std::sqrt(best2);
