@@ -26,11 +26,11 @@ double to_axis_deg(const Vec3& axis, const Vec3& d) {
 }
 
 template <class Predicate>
-std::optional<double> share_percent(const std::vector<WeightedAngle>& angles, Predicate&& accepts) {
+std::optional<double> share_percent(const std::vector<WeightedValue>& angles, Predicate&& accepts) {
   double accepted = 0, total = 0;
-  for (const WeightedAngle& a : angles) {
+  for (const WeightedValue& a : angles) {
     total += a.weight;
-    if (accepts(a.angle_deg)) accepted += a.weight;
+    if (accepts(a.value)) accepted += a.weight;
   }
   if (!(total > 0)) return std::nullopt;
   return 100 * accepted / total;
@@ -39,7 +39,7 @@ std::optional<double> share_percent(const std::vector<WeightedAngle>& angles, Pr
 }  // namespace
 
 LpdAngles lpd_angles(const TetMesh& rest, const ObjectiveField& objectives,
-                     const Directions& print_direction) {
+                     const StressField* stress, const Directions& print_direction) {
   LpdAngles angles;
   for (Eigen::Index f = 0; f < rest.boundary_faces.rows(); ++f) {
     const auto i = static_cast<std::size_t>(f);
@@ -51,11 +51,10 @@ LpdAngles lpd_angles(const TetMesh& rest, const ObjectiveField& objectives,
     angles.support_free.push_back({known ? angle_deg(n, d) : 180, area});
     angles.surface_quality.push_back({known ? to_axis_deg(n, d) : 45, area});
   }
-  for (std::size_t t = 0; t < objectives.critical.size(); ++t) {
-    if (!objectives.critical[t]) continue;
-    const auto row = static_cast<Eigen::Index>(t);
-    const Vec3 tau = objectives.tau_max.row(row);
-    const Vec3 d = print_direction.row(row);
+  if (stress == nullptr) return angles;
+  for (const Index t : stress->critical_tets) {
+    const Vec3 tau = stress->principal.row(t);
+    const Vec3 d = print_direction.row(t);
     angles.strength.push_back({d.squaredNorm() > 0 ? 90 - to_axis_deg(tau, d) : 90, 1});
   }
   return angles;
@@ -73,9 +72,9 @@ void lpd_metrics(const LpdAngles& angles, Metrics& metrics) {
       share_percent(angles.strength, [](double a) { return a <= kStrengthDeg + kAngleTolerance; });
 
   double violation = 0, area = 0;
-  for (const WeightedAngle& a : angles.support_free) {
+  for (const WeightedValue& a : angles.support_free) {
     area += a.weight;
-    if (a.angle_deg > kLargest) violation += a.weight * (a.angle_deg - 90 - kOverhangDeg);
+    if (a.value > kLargest) violation += a.weight * (a.value - 90 - kOverhangDeg);
   }
   metrics.support_free_mean_violation_deg.reset();
   if (area > 0) metrics.support_free_mean_violation_deg = violation / area;

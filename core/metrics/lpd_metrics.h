@@ -4,33 +4,31 @@
 #include <vector>
 
 #include "base/types.h"
+#include "fea/stress.h"
 #include "mesh/tet_mesh.h"
 #include "metrics/metrics.h"
+#include "metrics/svg_plot.h"
 #include "objectives/objectives.h"
 
 namespace s3 {
 
-/// An angle in degrees with the share it stands for (mm² of a face, 1 for a tet).
-struct WeightedAngle {
-  double angle_deg = 0;
-  double weight = 0;
-};
-
-/// What the paper's histograms show, before it is put into bins.
+/// What the paper's histograms show, before it is put into bins: angles in degrees, weighted by the
+/// area of a face (mm²) or 1 for a tet.
 struct LpdAngles {
-  std::vector<WeightedAngle>
+  std::vector<WeightedValue>
       support_free;  // angle between n and d, in [0, 180]: up to 135° prints without support
-  std::vector<WeightedAngle>
+  std::vector<WeightedValue>
       surface_quality;  // angle between ±n and d, in [0, 90]: best near 0° and near 90°
-  std::vector<WeightedAngle>
+  std::vector<WeightedValue>
       strength;  // angle between ±τ_max and the layer, in [0, 90]: best near 0°
 };
 
 /// Angles of all boundary faces off the plate, and of the critical tets.
+/// @param stress           may be null: then no tet is critical
 /// @param print_direction  #T×3 unit vectors. A zero row (no direction) counts as the worst angle
 /// of each kind
 LpdAngles lpd_angles(const TetMesh& rest, const ObjectiveField& objectives,
-                     const Directions& print_direction);
+                     const StressField* stress, const Directions& print_direction);
 
 /// Fills support_free_*, surface_quality_* and strength_* of the metrics from the angles; the
 /// bounds are the contract's (45°, 10°, 10°), whatever the job asked for. Nothing to count leaves a

@@ -34,6 +34,8 @@ enum class Kinematics {
 struct AxisLimit {
   double min = 0, max = 0;  // mm or rad
   double speed = 0;         // mm/s or rad/s
+
+  bool operator==(const AxisLimit&) const = default;
 };
 
 struct MachineProfile {
@@ -56,6 +58,8 @@ struct MachineProfile {
   double filament_density = 1.24e-3;  // g/mm³
   std::vector<std::string> programs;  // files that this machine wants: "program.gcode", …
   std::vector<std::string> start_gcode, end_gcode;
+
+  bool operator==(const MachineProfile&) const = default;
 };
 
 /// Names of the bundled profiles.

@@ -24,7 +24,7 @@ void describe(Visitor& v, DeformParams& p) {
   v(p.method, ParamInfo{.key = "deform.method", .label = "Method", .unit = "", .doc = "refined: short start, then a constrained solve for the field itself; paper: the loop of the paper to its stop test.", .choices = {"refined", "paper"}, .stage = Stage::outer_loop});
   v(p.rigidity, ParamInfo{.key = "deform.rigidity", .label = "Rigidity", .unit = "", .doc = "Weight w_r of the rigidity term in Eq. 12.", .min = 0, .max = 1e6, .stage = Stage::outer_loop, .advanced = true});
   v(p.scale_compatibility, ParamInfo{.key = "deform.scale_compatibility", .label = "Scale compatibility", .unit = "", .doc = "Weight w_c of Eq. 12: how alike neighbouring scales stay.", .min = 0, .max = 1e6, .stage = Stage::outer_loop, .advanced = true});
-  v(p.max_tilt_deg, ParamInfo{.key = "deform.max_tilt", .label = "Largest tilt", .unit = "deg", .doc = "Angle from z that the print direction may reach; the machine profile gives the default.", .min = 1, .max = 90, .stage = Stage::outer_loop});
+  v(p.max_tilt_deg, ParamInfo{.key = "deform.max_tilt", .label = "Largest tilt", .unit = "deg", .doc = "Angle from z that the print direction may reach; 0 takes the machine profile's.", .min = 0, .max = 90, .stage = Stage::outer_loop});
 }
 
 struct DeformTimings {  // seconds, wall

@@ -23,7 +23,7 @@ Directions constant(const s3::TetMesh& mesh, const Vec3& d) {
 
 s3::Metrics metrics_of(const s3::TetMesh& mesh, const Directions& d) {
   s3::Metrics metrics;
-  s3::lpd_metrics(s3::lpd_angles(mesh, objectives_of(mesh), d), metrics);
+  s3::lpd_metrics(s3::lpd_angles(mesh, objectives_of(mesh), nullptr, d), metrics);
   return metrics;
 }
 
@@ -70,16 +70,15 @@ TEST_CASE("a tet without a direction counts as the worst") {
 
 TEST_CASE("critical tets count when the layer holds tau_max within 10 degrees") {
   const auto box = s3::test::make_grid(1, 1, 1, {10, 10, 10});
-  auto objectives = objectives_of(box);
-  objectives.critical.assign(6, 0);
-  for (int t : {0, 1, 2, 3}) objectives.critical[static_cast<std::size_t>(t)] = 1;
-  objectives.tau_max = Vec3::UnitX().transpose().replicate(6, 1);
+  s3::StressField stress;
+  stress.critical_tets = {0, 1, 2, 3};
+  stress.principal = Vec3::UnitX().transpose().replicate(6, 1);
   Directions d = constant(box, Vec3::UnitZ());  // holds
   d.row(1) = tilted(-9).transpose();            // holds, tilted away
   d.row(2) = tilted(11).transpose();            // does not
   d.row(4) = Vec3::UnitX().transpose();         // not critical
   s3::Metrics m;
-  s3::lpd_metrics(s3::lpd_angles(box, objectives, d), m);
+  s3::lpd_metrics(s3::lpd_angles(box, objectives_of(box), &stress, d), m);
   CHECK(*m.strength_critical_percent == doctest::Approx(75));
 }
 

@@ -1,0 +1,12 @@
+// Points spread evenly over a surface.
+#pragma once
+#include "base/types.h"
+#include "mesh/tri_mesh.h"
+
+namespace s3 {
+
+/// About `count` points: each triangle gets its share of the area, placed by a low-discrepancy
+/// sequence. No random numbers, so that every print of a model is measured at the same places.
+Points sample_surface(const TriMesh& surface, double count);
+
+}  // namespace s3

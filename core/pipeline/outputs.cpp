@@ -1,0 +1,87 @@
+#include "pipeline/outputs.h"
+
+#include <cstdio>
+
+#include "export/fields_vtu.h"
+#include "export/layers_ply.h"
+#include "export/waypoint_csv.h"
+
+namespace s3 {
+namespace {
+
+std::string number(const std::optional<double>& value, int digits) {
+  if (!value) return "-";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.*f", digits, *value);
+  return text;
+}
+
+std::string number(const std::optional<int>& value) {
+  return value ? std::to_string(*value) : "-";
+}
+
+std::string thickness(const Metrics& m) {
+  if (!m.thickness_mm) return "-";
+  return number(m.thickness_mm->min, 2) + " to " + number(m.thickness_mm->max, 2);
+}
+
+std::string print_time(const Metrics& m) {
+  if (!m.print_time_s) return "-";
+  const long minutes = static_cast<long>(*m.print_time_s / 60 + 0.5);
+  char text[48];
+  std::snprintf(text, sizeof text, "%ld h %02ld min", minutes / 60, minutes % 60);
+  return text;
+}
+
+void add_row(std::string& table, const char* name, const std::string& curved,
+             const std::string& planar) {
+  char row[160];
+  std::snprintf(row, sizeof row, "%-38s %16s %16s\n", name, curved.c_str(), planar.c_str());
+  table += row;
+}
+
+}  // namespace
+
+void write_stage_files(const Pipeline& pipeline, Stage stage, const FileSink& sink) {
+  const Artifacts& a = pipeline.artifacts();
+  if (stage == Stage::outer_loop)
+    sink("fields.vtu",
+         write_fields_vtu(a.rest, a.deformation, a.stress ? &*a.stress : nullptr, a.file_order));
+  if (stage == Stage::layers)
+    for (std::size_t i = 0; i < a.curved.layers.layers.size(); ++i)
+      sink(layer_file_name(i), write_layer_ply(a.curved.layers.layers[i]));
+  if (stage == Stage::waypoints) sink("waypoints.csv", write_waypoint_csv(a.curved.waypoints));
+  if (stage == Stage::exporting)
+    for (const NamedFile& file : a.programs) sink(file.name, file.content);
+  if (stage == Stage::metrics)
+    for (const SvgFile& file : a.plots) sink(file.name, file.text);
+}
+
+std::string summary_table(const Pipeline& pipeline) {
+  const Metrics& c = pipeline.artifacts().curved_metrics;
+  const Metrics& p = pipeline.artifacts().planar_metrics;
+  std::string table;
+  add_row(table, "", "curved", "planar");
+  const auto row = [&](const char* name, const auto& text) {
+    add_row(table, name, text(c), text(p));
+  };
+  row("support free, % of the surface",
+      [](const Metrics& m) { return number(m.support_free_area_percent, 2); });
+  row("surface quality, % of the surface",
+      [](const Metrics& m) { return number(m.surface_quality_area_percent, 2); });
+  row("strength, % of the critical tets",
+      [](const Metrics& m) { return number(m.strength_critical_percent, 2); });
+  row("foldovers", [](const Metrics& m) { return number(m.foldovers); });
+  row("islands", [](const Metrics& m) { return number(m.islands); });
+  row("layers", [](const Metrics& m) { return number(m.layers); });
+  row("layer pieces", [](const Metrics& m) { return number(m.components); });
+  row("layer thickness, mm", thickness);
+  row("coverage, % of the layers", [](const Metrics& m) { return number(m.coverage_percent, 2); });
+  row("surface error, mean mm", [](const Metrics& m) { return number(m.surface_error_avg_mm, 3); });
+  row("support volume, mm3", [](const Metrics& m) { return number(m.support_volume_mm3, 0); });
+  row("material, g", [](const Metrics& m) { return number(m.material_g, 1); });
+  row("print time", print_time);
+  return table;
+}
+
+}  // namespace s3

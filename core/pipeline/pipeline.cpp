@@ -1,0 +1,269 @@
+// The steps of the paper's overview (Sec. 2.3), from the model to the machine (Sec. 5.1) and the
+// evaluation (Sec. 5.2).
+#include "pipeline/pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <utility>
+
+#include "base/units.h"
+#include "export/authors_waypoints.h"
+#include "export/gcode.h"
+#include "fea/read_stress.h"
+#include "mesh/read_mesh.h"
+#include "mesh/refine_surface.h"
+#include "motion/five_axis.h"
+#include "params/param_visitors.h"
+#include "pipeline/evaluate.h"
+#include "pipeline/prepare_mesh.h"
+#include "tetrahedralize/tetrahedralize.h"
+#include "toolpaths/contour_parallel.h"
+#include "waypoints/make_waypoints.h"
+
+namespace s3 {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// d_max/d_min, rounded: thicknesses that grow together must not change it in the last digit, or the
+/// field would be made again.
+double thickness_ratio(const Params& params) {
+  constexpr double kDigits = 1e9;
+  return std::round(kDigits * params.layers.max_thickness / params.layers.min_thickness) / kDigits;
+}
+
+/// Row file_row[i] of the result is row i of the file; an empty order keeps the rows.
+StressField in_mesh_order(const StressField& file, const std::vector<Index>& file_row) {
+  if (file_row.empty()) return file;
+  StressField stress = file;
+  for (Eigen::Index i = 0; i < file.principal_value.size(); ++i) {
+    const Index t = file_row[static_cast<std::size_t>(i)];
+    if (file.stress.rows() > 0) stress.stress.row(t) = file.stress.row(i);
+    stress.principal.row(t) = file.principal.row(i);
+    stress.principal_value(t) = file.principal_value(i);
+  }
+  for (Index& t : stress.critical_tets) t = file_row[static_cast<std::size_t>(t)];
+  std::sort(stress.critical_tets.begin(), stress.critical_tets.end());
+  return stress;
+}
+
+/// The baseline's layers, as in the paper's comparison: 0.8 mm under a nozzle of 1 mm (Sec. 5.3).
+constexpr double kPlanarHeight = 0.8;  // of the largest thickness
+
+}  // namespace
+
+const std::vector<Pipeline::Step>& Pipeline::steps() {
+  static const std::vector<Step> kSteps = {
+      {Stage::mesh, &Pipeline::read_model},        {Stage::tetrahedralize, &Pipeline::make_tets},
+      {Stage::fea, &Pipeline::import_stress},      {Stage::objectives, &Pipeline::set_objectives},
+      {Stage::outer_loop, &Pipeline::deform_part}, {Stage::layers, &Pipeline::slice},
+      {Stage::toolpaths, &Pipeline::make_paths},   {Stage::waypoints, &Pipeline::place_waypoints},
+      {Stage::motion, &Pipeline::plan_moves},      {Stage::exporting, &Pipeline::write_programs},
+      {Stage::metrics, &Pipeline::evaluate},
+  };
+  return kSteps;
+}
+
+void Pipeline::read_model(Context& ctx) {
+  if (model_bytes_.empty())
+    throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file", model_name_ + " is empty",
+                "give an STL, OBJ, OFF, .tet or VTU file");
+  ModelFile file = s3::read_model(model_bytes_, model_name_);
+  ctx.checkpoint();
+  artifacts_.model = {file.format, file.is_volume, 0, 0, {}};
+  if (file.is_volume) {
+    prepare_volume(std::move(file), params_.input, artifacts_, ctx);
+  } else {
+    prepare_surface(std::move(file), params_.input, artifacts_, ctx);
+  }
+}
+
+void Pipeline::make_tets(Context& ctx) {
+  if (artifacts_.model.is_volume) return;  // used as it is
+  const double edge = target_edge_for(artifacts_.surface, params_.mesh.target_tets);
+  artifacts_.rest = tetrahedralize(refine_surface(artifacts_.surface, edge), params_.mesh, ctx);
+  artifacts_.file_order = {};
+}
+
+void Pipeline::import_stress(Context&) {
+  artifacts_.stress.reset();
+  if (stress_bytes_.empty()) {
+    if (params_.objectives.strength > 0)
+      throw Error(ErrorKind::input, Stage::fea, "fea.no_stress",
+                  "objectives.strength is above 0, but there is no stress field",
+                  "name a file with strength.stress_file, or set objectives.strength to 0");
+    return;
+  }
+  StressField in_file_order = read_stress(stress_bytes_, stress_name_, artifacts_.rest.tet_count(),
+                                          params_.strength.critical_ratio);
+  artifacts_.stress = in_mesh_order(in_file_order, artifacts_.file_order.tets);
+  rotate_stress(*artifacts_.stress, artifacts_.placement.rotation());
+}
+
+void Pipeline::set_objectives(Context&) {
+  artifacts_.objectives = make_objectives(artifacts_.rest, params_.objectives,
+                                          artifacts_.stress ? &*artifacts_.stress : nullptr);
+}
+
+void Pipeline::deform_part(Context& ctx) {
+  artifacts_.deformation = deform(artifacts_.rest, artifacts_.objectives, params_.objectives,
+                                  params_.deform, thickness_ratio(params_), ctx);
+}
+
+void Pipeline::slice(Context& ctx) {
+  artifacts_.curved.layers =
+      make_layers(artifacts_.rest, artifacts_.deformation.field, params_.layers, ctx);
+}
+
+void Pipeline::make_paths(Context& ctx) {
+  artifacts_.curved.toolpaths = make_toolpaths(artifacts_.curved.layers, params_.toolpath,
+                                               params_.layers.nozzle_diameter, ctx);
+}
+
+void Pipeline::place_waypoints(Context& ctx) {
+  artifacts_.curved.waypoints =
+      make_waypoints(artifacts_.curved.layers, artifacts_.curved.toolpaths, settings(), ctx);
+}
+
+WaypointSettings Pipeline::settings() const {
+  return waypoint_settings(machine_, params_.toolpath, params_.toolpath.width);
+}
+
+void Pipeline::plan_moves(Context& ctx) {
+  artifacts_.motion = plan_motion(artifacts_.curved.waypoints, machine_, ctx);
+}
+
+void Pipeline::write_programs(Context& ctx) {
+  artifacts_.programs.clear();
+  for (const std::string& name : machine_.programs) {
+    ctx.checkpoint();
+    if (name == "program.gcode") {
+      artifacts_.programs.push_back(
+          {name, write_gcode(artifacts_.curved.waypoints, artifacts_.motion, machine_)});
+    } else if (name == "authors-waypoints") {
+      const auto texts = write_authors_waypoints(artifacts_.curved.waypoints);
+      for (std::size_t i = 0; i < texts.size(); ++i)
+        artifacts_.programs.push_back({name + "/" + std::to_string(i) + ".txt", texts[i]});
+    } else {
+      throw Error(ErrorKind::input, Stage::exporting, "machine.unknown_program",
+                  "the machine " + machine_.name + " asks for " + name +
+                      ", which is not a program that can be written",
+                  "its profile may list program.gcode and authors-waypoints");
+    }
+  }
+}
+
+void Pipeline::evaluate(Context& ctx) {
+  Artifacts& a = artifacts_;
+  const DeformResult& result = a.deformation;
+  Evaluation curved = evaluate_field(a, result.field, result.deformed, params_, machine_, ctx);
+  evaluate_print(a, a.curved, params_, machine_, curved, ctx);
+
+  const auto start = Clock::now();
+  a.planar = print_planar(ctx);
+  const ScalarField height = make_scalar_field(a.rest, a.rest.vertices.col(2));
+  Evaluation planar = evaluate_field(a, height, a.rest.vertices, params_, machine_, ctx);
+  evaluate_print(a, a.planar, params_, machine_, planar, ctx);
+  planar_seconds_ = seconds_since(start);
+
+  a.curved_metrics = curved.metrics;
+  a.planar_metrics = planar.metrics;
+  a.plots = histograms(curved.plots, planar.plots, result.residual_history,
+                       params_.layers.min_thickness, params_.layers.max_thickness);
+}
+
+Print Pipeline::print_planar(Context& ctx) const {
+  const double height = kPlanarHeight * params_.layers.max_thickness;
+  Print print;
+  print.layers = make_planar_layers(artifacts_.rest, height, params_.layers, ctx);
+  print.toolpaths =
+      make_toolpaths(print.layers, params_.toolpath, params_.layers.nozzle_diameter, ctx);
+  print.waypoints = make_waypoints(print.layers, print.toolpaths, settings(), ctx);
+  return print;
+}
+
+Pipeline::Pipeline() {
+  for (const Step& step : steps()) stages_.push_back({step.stage, StageState::fresh, 0, 0, {}});
+}
+
+void Pipeline::set_model(std::span<const std::byte> bytes, std::string file_name) {
+  model_bytes_.assign(bytes.begin(), bytes.end());
+  model_name_ = std::move(file_name);
+  mark_stale(Stage::mesh);
+}
+
+void Pipeline::set_stress(std::span<const std::byte> bytes, std::string file_name) {
+  stress_bytes_.assign(bytes.begin(), bytes.end());
+  stress_name_ = std::move(file_name);
+  mark_stale(Stage::fea);
+}
+
+void Pipeline::set_params(const Params& params, const MachineProfile& machine) {
+  Params resolved = resolve(params, machine);
+  const ParamList old_list = list_params(params_), new_list = list_params(resolved);
+  // The range of ‖∇G‖ follows from the ratio of the thicknesses, so the field depends on it too.
+  if (thickness_ratio(resolved) != thickness_ratio(params_)) mark_stale(Stage::outer_loop);
+  for (const std::size_t i : diff(old_list, new_list)) mark_stale(new_list.params()[i].info.stage);
+  if (!(machine == machine_)) mark_stale(Stage::waypoints);  // speeds and filament
+  params_ = std::move(resolved);
+  machine_ = machine;
+}
+
+void Pipeline::mark_stale(Stage first) {
+  for (StageRecord& record : stages_)
+    if (record.stage >= first && record.state != StageState::fresh)
+      record.state = StageState::stale;
+}
+
+bool Pipeline::is_done(Stage stage) const {
+  return std::any_of(stages_.begin(), stages_.end(), [&](const StageRecord& record) {
+    return record.stage == stage && record.state == StageState::done;
+  });
+}
+
+bool Pipeline::advance(Context& ctx) {
+  for (std::size_t i = 0; i < stages_.size(); ++i) {
+    if (stages_[i].state == StageState::done) continue;
+    run_step(i, ctx);
+    return true;
+  }
+  return false;
+}
+
+void Pipeline::run_to(Stage last, Context& ctx) {
+  for (std::size_t i = 0; i < stages_.size() && stages_[i].stage <= last; ++i)
+    if (stages_[i].state != StageState::done) run_step(i, ctx);
+}
+
+void Pipeline::run_step(std::size_t position, Context& ctx) {
+  StageRecord& record = stages_[position];
+  const StageState before = record.state;
+  record.state = StageState::running;
+  ctx.warnings.clear();
+  const auto start = Clock::now();
+  const std::clock_t cpu_start = std::clock();
+  try {
+    ctx.progress(record.stage, 0);
+    (this->*steps()[position].run)(ctx);
+    ctx.progress(record.stage, 1);
+  } catch (const Cancelled&) {
+    record.state = before == StageState::done ? StageState::stale : before;
+    throw;
+  } catch (...) {
+    record.state = StageState::failed;
+    throw;
+  }
+  record.seconds = seconds_since(start);
+  record.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  record.warnings = std::move(ctx.warnings);
+  ctx.warnings.clear();
+  record.state = StageState::done;
+}
+
+}  // namespace s3

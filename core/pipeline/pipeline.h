@@ -1,0 +1,96 @@
+// The whole way from a model file to a program, stage by stage. Keeps each result and knows what
+// must be done again.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/context.h"
+#include "motion/machine_profile.h"
+#include "pipeline/artifacts.h"
+#include "pipeline/params.h"
+
+namespace s3 {
+
+enum class StageState {
+  fresh,  // never done
+  running,
+  done,
+  stale,  // done before, but its input or parameters have changed since
+  failed
+};
+
+struct StageRecord {
+  Stage stage;
+  StageState state = StageState::fresh;
+  double seconds = 0;      // wall, of the last run
+  double cpu_seconds = 0;  // of all threads
+  std::vector<Warning> warnings;
+};
+
+class Pipeline {
+ public:
+  Pipeline();
+
+  /// The model file. Makes everything stale.
+  void set_model(std::span<const std::byte> bytes, std::string file_name);
+  /// The file of strength.stress_file; empty bytes for none. Makes the stress and what follows
+  /// stale.
+  void set_stress(std::span<const std::byte> bytes, std::string file_name);
+  /// Makes stale what the changed parameters' own stages and the machine reach.
+  /// @param machine  the profile that params.machine names
+  /// @throws Error "params.…" for values that are out of range; nothing is changed then
+  void set_params(const Params& params, const MachineProfile& machine);
+
+  /// Runs the first stage that is not done.
+  /// @return false if all were done already
+  /// @throws Error, Cancelled; earlier stages keep their results
+  bool advance(Context& ctx);
+  /// Runs every stage up to and including `last` that is not done.
+  void run_to(Stage last, Context& ctx);
+
+  /// The effective parameters: nothing left to be derived.
+  const Params& params() const { return params_; }
+  const MachineProfile& machine() const { return machine_; }
+  const Artifacts& artifacts() const { return artifacts_; }
+  /// The stages in the order in which they run.
+  const std::vector<StageRecord>& stages() const { return stages_; }
+  bool is_done(Stage stage) const;
+  /// Wall seconds that making and measuring the planar baseline took, part of the stage `metrics`.
+  double planar_seconds() const { return planar_seconds_; }
+
+ private:
+  void read_model(Context& ctx);
+  void make_tets(Context& ctx);
+  void import_stress(Context& ctx);
+  void set_objectives(Context& ctx);
+  void deform_part(Context& ctx);
+  void slice(Context& ctx);
+  void make_paths(Context& ctx);
+  void place_waypoints(Context& ctx);
+  WaypointSettings settings() const;
+  void plan_moves(Context& ctx);
+  void write_programs(Context& ctx);
+  void evaluate(Context& ctx);
+  Print print_planar(Context& ctx) const;
+
+  struct Step {
+    Stage stage;
+    void (Pipeline::*run)(Context&);
+  };
+  static const std::vector<Step>& steps();
+  void mark_stale(Stage first);
+  void run_step(std::size_t position, Context& ctx);
+
+  std::vector<std::byte> model_bytes_, stress_bytes_;
+  std::string model_name_, stress_name_;
+  Params params_;
+  MachineProfile machine_;
+  Artifacts artifacts_;
+  std::vector<StageRecord> stages_;
+  double planar_seconds_ = 0;
+};
+
+}  // namespace s3

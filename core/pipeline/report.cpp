@@ -1,0 +1,112 @@
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "base/units.h"
+#include "metrics/metrics_json.h"
+#include "pipeline/outputs.h"
+#include "tetrahedralize/quality.h"
+
+namespace s3 {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json input_json(const Pipeline& pipeline, const std::string& file) {
+  const ModelInfo& model = pipeline.artifacts().model;
+  return {{"file", file},
+          {"triangles", model.triangles},
+          {"volume_mm3", model.volume},
+          {"repairs", model.repairs}};
+}
+
+Json mesh_json(const Pipeline& pipeline) {
+  const TetMesh& rest = pipeline.artifacts().rest;
+  if (!pipeline.is_done(Stage::tetrahedralize))
+    return {{"vertices", nullptr},
+            {"tets", nullptr},
+            {"boundary_faces", nullptr},
+            {"min_dihedral_deg", nullptr}};
+  return {{"vertices", rest.vertex_count()},
+          {"tets", rest.tet_count()},
+          {"boundary_faces", rest.boundary_faces.rows()},
+          {"min_dihedral_deg", degrees(tet_quality(rest).min_dihedral)}};
+}
+
+Json timings_json(const Pipeline& pipeline, const RunFigures& figures) {
+  const auto of_stage = [&](Stage stage) -> Json {
+    for (const StageRecord& record : pipeline.stages())
+      if (record.stage == stage && record.state == StageState::done) return record.seconds;
+    return nullptr;
+  };
+  const bool deformed = pipeline.is_done(Stage::outer_loop);
+  const DeformTimings& t = pipeline.artifacts().deformation.timings;
+  const auto of_deformation = [&](double seconds) -> Json {
+    return deformed ? Json(seconds) : Json(nullptr);
+  };
+  Json json;
+  json["repair"] = of_stage(Stage::mesh);
+  json["tetrahedralize"] = of_stage(Stage::tetrahedralize);
+  json["fea"] = of_stage(Stage::fea);
+  json["objectives"] = of_stage(Stage::objectives);
+  json["lpd_projection"] = of_deformation(t.lpd_projection);
+  json["quaternion"] = of_deformation(t.quaternion);
+  json["deformation"] = of_deformation(t.deformation);
+  json["refinement"] = of_deformation(t.refinement);
+  json["foldover"] = of_deformation(t.foldover);
+  json["outer_loop"] = of_stage(Stage::outer_loop);
+  json["layers"] = of_stage(Stage::layers);
+  json["toolpaths"] = of_stage(Stage::toolpaths);
+  json["waypoints"] = of_stage(Stage::waypoints);
+  json["motion"] = of_stage(Stage::motion);
+  json["metrics"] = of_stage(Stage::metrics);
+  json["planar_baseline"] =
+      pipeline.is_done(Stage::metrics) ? Json(pipeline.planar_seconds()) : Json(nullptr);
+  json["export"] = figures.export_seconds;
+  json["total"] = figures.total_seconds;
+  return json;
+}
+
+/// CPU seconds of all threads by stage: what a busy machine does not change.
+Json cpu_json(const Pipeline& pipeline) {
+  Json json;
+  for (const StageRecord& record : pipeline.stages())
+    json[std::string(stage_name(record.stage))] =
+        record.state == StageState::done ? Json(record.cpu_seconds) : Json(nullptr);
+  return json;
+}
+
+Json warnings_json(const Pipeline& pipeline) {
+  Json json = Json::array();
+  for (const StageRecord& record : pipeline.stages())
+    for (const Warning& warning : record.warnings) {
+      Json where = Json::array();
+      for (const Vec3& place : warning.where) where.push_back({place.x(), place.y(), place.z()});
+      json.push_back({{"code", warning.code}, {"message", warning.message}, {"where", where}});
+    }
+  return json;
+}
+
+}  // namespace
+
+std::string report_json(const Pipeline& pipeline, const RunFigures& figures) {
+  const Artifacts& a = pipeline.artifacts();
+  const bool deformed = pipeline.is_done(Stage::outer_loop);
+  const bool evaluated = pipeline.is_done(Stage::metrics);
+  Json json;
+  json["s3slice"] = S3_VERSION;
+  json["input"] = input_json(pipeline, figures.model_file);
+  json["mesh"] = mesh_json(pipeline);
+  json["timings_s"] = timings_json(pipeline, figures);
+  json["cpu_s"] = cpu_json(pipeline);
+  json["threads"] = figures.threads;
+  json["peak_memory_mb"] = figures.peak_memory_mb;
+  json["outer_iterations"] = deformed ? Json(a.deformation.outer_iterations) : Json(nullptr);
+  json["pi_rad"] = deformed ? Json(a.deformation.residual_history) : Json::array();
+  json["curved"] = to_json(evaluated ? a.curved_metrics : Metrics{});
+  json["planar"] = to_json(evaluated ? a.planar_metrics : Metrics{});
+  json["warnings"] = warnings_json(pipeline);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace s3

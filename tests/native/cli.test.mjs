@@ -1,0 +1,302 @@
+// s3slice end to end, as a person uses it: files in, files out, exit codes and messages.
+// Needs the native build: the folder of the programs in S3_BUILD, or build/native.
+import assert from "node:assert/strict";
+import { spawn, spawnSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { after, before, test } from "node:test";
+import { fileURLToPath } from "node:url";
+
+const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
+const s3slice = path.join(process.env.S3_BUILD ?? path.join(root, "build/native"), "s3slice");
+
+let folder;
+before(() => {
+  assert.ok(existsSync(s3slice), `${s3slice} is missing: build the native programs first`);
+  folder = mkdtempSync(path.join(tmpdir(), "s3slice-test-"));
+});
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+function run(...args) {
+  const result = spawnSync(s3slice, args, { cwd: folder, encoding: "utf8", timeout: 300000 });
+  assert.equal(result.error, undefined);
+  return result;
+}
+
+function runWell(...args) {
+  const result = run(...args);
+  assert.equal(result.status, 0, result.stderr);
+  return result;
+}
+
+/** One line that begins with the program's name, and the exit code of wrong input. */
+function assertInputError(result, ...parts) {
+  assert.equal(result.status, 2, result.stderr);
+  const lines = result.stderr.trimEnd().split("\n");
+  assert.equal(lines.length, 1, result.stderr);
+  assert.match(lines[0], /^s3slice: /);
+  for (const part of parts) assert.ok(lines[0].includes(part), `"${part}" is not in: ${lines[0]}`);
+}
+
+/** A grid of tets over a box; above z = 2 it leans over by 50°. Six tets a cell. */
+function leaningBlock(nx = 4, ny = 3, nz = 5) {
+  const id = (i, j, k) => (k * (ny + 1) + j) * (nx + 1) + i;
+  const vertices = [];
+  for (let k = 0; k <= nz; ++k)
+    for (let j = 0; j <= ny; ++j)
+      for (let i = 0; i <= nx; ++i) {
+        const z = (10 * k) / nz;
+        vertices.push([(8 * i) / nx + 1.2 * Math.max(0, z - 2), (6 * j) / ny, z]);
+      }
+  const tets = [];
+  const orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+  for (let k = 0; k < nz; ++k)
+    for (let j = 0; j < ny; ++j)
+      for (let i = 0; i < nx; ++i)
+        for (const order of orders) {
+          const at = [i, j, k];
+          const tet = [id(...at)];
+          for (const axis of order) {
+            at[axis] += 1;
+            tet.push(id(...at));
+          }
+          tets.push(tet);
+        }
+  return { vertices, tets };
+}
+
+function tetText({ vertices, tets }) {
+  const rows = [`${vertices.length} vertices`, `${tets.length} tets`];
+  for (const v of vertices) rows.push(v.join(" "));
+  for (const t of tets) rows.push(`4 ${t.join(" ")}`);
+  return rows.join("\n") + "\n";
+}
+
+/** The corners of a box as an ASCII STL of twelve triangles, outward. */
+function boxStl(size) {
+  const corner = (c) => [0, 1, 2].map((axis) => ((c >> axis) & 1) * size[axis]).join(" ");
+  const quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+  let text = "solid box\n";
+  for (const [a, b, c, d] of quads)
+    for (const triangle of [[a, b, c], [a, c, d]])
+      text += `facet normal 0 0 0\nouter loop\n${triangle.map((c) => `vertex ${corner(c)}\n`).join("")}endloop\nendfacet\n`;
+  return text + "endsolid box\n";
+}
+
+function write(name, content) {
+  writeFileSync(path.join(folder, name), content);
+  return name;
+}
+
+const read = (...parts) => readFileSync(path.join(folder, ...parts));
+const json = (...parts) => JSON.parse(read(...parts));
+
+/** Every file below a folder by its relative name. */
+function filesOf(name, prefix = "") {
+  const files = {};
+  for (const entry of readdirSync(path.join(folder, name), { withFileTypes: true })) {
+    const relative = prefix + entry.name;
+    if (entry.isDirectory()) Object.assign(files, filesOf(path.join(name, entry.name), `${relative}/`));
+    else files[relative] = read(name, entry.name);
+  }
+  return files;
+}
+
+/** What must not depend on the clock, the machine or the number of threads. */
+function withoutMeasurements(report) {
+  const { timings_s, cpu_s, threads, peak_memory_mb, ...rest } = report;
+  return rest;
+}
+
+function assertSameResults(one, other) {
+  const a = filesOf(one);
+  const b = filesOf(other);
+  assert.deepEqual(Object.keys(a).sort(), Object.keys(b).sort());
+  for (const name of Object.keys(a))
+    if (name !== "report.json") assert.ok(a[name].equals(b[name]), `${name} differs`);
+  assert.deepEqual(withoutMeasurements(JSON.parse(a["report.json"])), withoutMeasurements(JSON.parse(b["report.json"])));
+}
+
+const metricKeys = [
+  "support_free_area_percent", "support_free_mean_violation_deg", "surface_quality_area_percent",
+  "strength_critical_percent", "pi_rad", "foldovers", "gouging_pairs", "concave_pairs_over_20deg", "islands", "layers",
+  "components", "thickness_mm", "thickness_outside_area_percent", "path_length_mm", "coverage_percent",
+  "overlap_percent", "surface_error_mm", "strain", "support_volume_mm3", "material_g", "print_time_s",
+];
+const timingKeys = [
+  "repair", "tetrahedralize", "fea", "lpd_projection", "quaternion", "deformation", "refinement", "foldover", "layers",
+  "toolpaths", "motion", "export", "total",
+];
+
+test("a tet mesh becomes layers, waypoints, a program and a report", () => {
+  write("block.tet", tetText(leaningBlock()));
+  const { stdout } = runWell("run", "block.tet", "-o", "out");
+  assert.match(stdout, /support free/);
+  assert.match(stdout, /curved\s+planar/);
+  const files = filesOf("out");
+  for (const name of ["report.json", "job.json", "fields.vtu", "waypoints.csv", "layers/0000.ply", "support_free.svg"])
+    assert.ok(name in files, `${name} is missing`);
+  for (const name of Object.keys(files)) assert.ok(!name.endsWith(".part"), `${name} was left behind`);
+
+  const report = json("out", "report.json");
+  assert.match(report.s3slice, /^\d+\.\d+\.\d+$/);
+  assert.equal(report.mesh.tets, 360);
+  assert.equal(report.mesh.vertices, 120);
+  for (const key of timingKeys) assert.ok(key in report.timings_s, key);
+  for (const kind of ["curved", "planar"]) {
+    for (const key of metricKeys) assert.ok(key in report[kind], `${kind}.${key}`);
+    assert.equal(report[kind].strain.max, null); // not computed
+    assert.equal(report[kind].strength_critical_percent, null);
+  }
+  assert.equal(report.curved.foldovers, 0);
+  assert.equal(report.pi_rad.length, report.outer_iterations);
+  assert.ok(report.curved.support_free_area_percent > report.planar.support_free_area_percent);
+  assert.ok(report.peak_memory_mb > 1);
+
+  const layers = Object.keys(files).filter((name) => name.startsWith("layers/"));
+  assert.equal(layers.length, report.curved.components);
+  for (const name of layers) assert.equal(files[name].subarray(0, 4).toString(), "ply\n");
+  const rows = files["waypoints.csv"].toString().trimEnd().split("\n");
+  const data = rows.filter((row) => !row.startsWith("#"));
+  assert.equal(data[0], "layer,path,kind,x,y,z,nx,ny,nz,tx,ty,tz,width,height,e,speed,travel");
+  for (const row of data.slice(1)) assert.equal(row.split(",").length, 17);
+  for (const name of Object.keys(files).filter((file) => file.endsWith(".svg")))
+    assert.match(files[name].toString(), /^<svg [\s\S]*<\/svg>\n$/);
+});
+
+test("job.json repeats a run bit for bit, whatever the number of threads", () => {
+  write("block.tet", tetText(leaningBlock()));
+  runWell("run", "block.tet", "-o", "first", "--threads", "1", "--quiet", "--toolpath.spacing", "1.5");
+  runWell("run", "--config", "first/job.json", "-o", "second", "--threads", "3", "--quiet");
+  assertSameResults("first", "second");
+  assert.equal(json("second", "job.json").toolpath.spacing, 1.5);
+  const before = filesOf("second");
+  runWell("run", "--config", "second/job.json", "--quiet"); // where it was
+  for (const [name, bytes] of Object.entries(filesOf("second")))
+    if (name !== "report.json") assert.ok(bytes.equals(before[name]), `${name} differs`);
+});
+
+test("a surface becomes tets first", () => {
+  write("box.stl", boxStl([10, 8, 6]));
+  runWell("run", "box.stl", "-o", "box", "--mesh.target_tets", "2000", "--until", "outer_loop");
+  const report = json("box", "report.json");
+  assert.equal(report.input.triangles, 12);
+  assert.ok(Math.abs(report.input.volume_mm3 - 480) < 1e-6);
+  assert.ok(report.mesh.tets > 1000 && report.mesh.tets < 4000, `${report.mesh.tets} tets`);
+});
+
+test("--until stops after a stage; what was not computed is null, files of an earlier run go", () => {
+  write("block.tet", tetText(leaningBlock()));
+  runWell("run", "block.tet", "-o", "until", "--quiet");
+  runWell("run", "block.tet", "-o", "until", "--quiet", "--until", "outer_loop");
+  const names = Object.keys(filesOf("until"));
+  assert.deepEqual(names.sort(), ["fields.vtu", "job.json", "report.json"]);
+  const report = json("until", "report.json");
+  assert.equal(report.timings_s.layers, null);
+  assert.equal(report.curved.layers, null);
+  assert.equal(report.curved.foldovers, null);
+  assertInputError(run("run", "block.tet", "-o", "until", "--until", "lunch"), "lunch", "outer_loop");
+});
+
+test("flags override files, a later file overrides an earlier one", () => {
+  write("block.tet", tetText(leaningBlock()));
+  write("a.json", JSON.stringify({ model: "block.tet", nozzle: { diameter: 0.7 }, toolpath: { spacing: 3 } }));
+  write("b.json", JSON.stringify({ nozzle: { diameter: 0.9 } }));
+  runWell("run", "--config", "a.json", "--config", "b.json", "--objectives.gamma", "15", "-o", "over", "--until", "mesh");
+  const job = json("over", "job.json");
+  assert.equal(job.nozzle.diameter, 0.9);
+  assert.equal(job.toolpath.spacing, 3);
+  assert.equal(job.objectives.gamma, 15);
+  assert.equal(job.model, path.join(folder, "block.tet"));
+});
+
+test("wrong input ends with code 2 and one line that says what, where and what to do", () => {
+  write("block.tet", tetText(leaningBlock()));
+  write("noise.stl", "\u0001\u0002 this is no model");
+  write("empty.off", "");
+  assertInputError(run("run", "missing.stl", "-o", "x"), "missing.stl");
+  assertInputError(run("run", "noise.stl", "-o", "x"), "noise.stl");
+  assertInputError(run("run", "empty.off", "-o", "x"), "empty.off");
+  assertInputError(run("run", "block.tet", "-o", "x", "--deform.rigidty", "1"), "deform.rigidty", "deform.rigidity");
+  assertInputError(run("run", "block.tet", "-o", "x", "--objectives.alpha", "120"), "objectives.alpha", "120", "0 to 90");
+  assertInputError(run("run", "block.tet", "-o", "x", "--objectives.alpha", "steep"), "objectives.alpha", "steep");
+  assertInputError(run("run", "block.tet", "-o", "x", "--machine", "lathe"), "lathe");
+  assertInputError(run("run", "block.tet"), "-o");
+  assertInputError(run("run", "-o", "x"), "model");
+  write("bad.json", "{ nozzle: ");
+  assertInputError(run("run", "block.tet", "-o", "x", "--config", "bad.json"), "bad.json");
+  write("typo.json", '{"layers": {"min_thicknes": 0.3}}');
+  assertInputError(run("run", "block.tet", "-o", "x", "--config", "typo.json"), "typo.json", "layers.min_thickness");
+  assertInputError(run("run", "block.tet", "-o", "y", "--objectives.strength", "0.5"), "strength.stress_file");
+  const open = boxStl([10, 8, 6]).replace(/facet[\s\S]*?endfacet\n/, "");
+  write("open.stl", open);
+  assertInputError(run("run", "open.stl", "-o", "x"), "open edges");
+  assertInputError(run("evaluate", "nowhere"), "nowhere");
+  assertInputError(run("paint"), "--help");
+  write("file", "");
+  assertInputError(run("run", "block.tet", "-o", "file/below", "--until", "mesh"), "file/below");
+  assert.ok(!existsSync(path.join(folder, "x")), "a run that never began made its folder");
+});
+
+test("Ctrl-C ends with 130, and the files of finished stages are whole", async () => {
+  write("large.tet", tetText(leaningBlock(24, 18, 30)));
+  const child = spawn(s3slice, ["run", "large.tet", "-o", "cancelled"], { cwd: folder });
+  let stderr = "";
+  child.stderr.on("data", (data) => {
+    stderr += data;
+    if (/^outer_loop /m.test(stderr)) child.kill("SIGINT");
+  });
+  const code = await new Promise((resolve) => child.on("close", resolve));
+  assert.equal(code, 130, stderr);
+  assert.match(stderr, /cancelled/);
+  const files = filesOf("cancelled");
+  assert.ok(!("report.json" in files));
+  for (const name of Object.keys(files)) assert.ok(!name.endsWith(".part"), name);
+  if ("fields.vtu" in files) assert.match(files["fields.vtu"].toString("latin1"), /<\/VTKFile>\n$/);
+  assert.ok("job.json" in files);
+});
+
+test("the schema lists every parameter that a job file holds", () => {
+  const schema = JSON.parse(runWell("schema").stdout);
+  write("block.tet", tetText(leaningBlock()));
+  runWell("run", "block.tet", "-o", "schema", "--until", "mesh");
+  const check = (job, node, key) => {
+    if (node.type !== "object") {
+      assert.equal(node.key, key);
+      for (const field of ["unit", "default", "description"]) assert.ok(field in node, `${key}: ${field}`);
+      return;
+    }
+    assert.deepEqual(Object.keys(job).sort(), Object.keys(node.properties).sort());
+    for (const name of Object.keys(job)) check(job[name], node.properties[name], key ? `${key}.${name}` : name);
+  };
+  check(json("schema", "job.json"), schema, "");
+});
+
+test("evaluate finds the same figures in the files as the run did", () => {
+  write("block.tet", tetText(leaningBlock()));
+  runWell("run", "block.tet", "-o", "evaluated", "--quiet");
+  const report = json("evaluated", "report.json");
+  const again = JSON.parse(runWell("evaluate", "evaluated").stdout);
+  for (const key of ["support_free_area_percent", "surface_quality_area_percent", "pi_rad", "foldovers", "gouging_pairs",
+    "concave_pairs_over_20deg", "islands", "layers", "components", "support_volume_mm3"]) {
+    assert.ok(Math.abs(again.curved[key] - report.curved[key]) <= 1e-6 * (1 + Math.abs(report.curved[key])), key);
+  }
+  for (const key of ["path_length_mm", "material_g", "print_time_s"])
+    assert.ok(Math.abs(again.curved[key] / report.curved[key] - 1) < 0.02, `${key}: ${again.curved[key]}`);
+  assert.ok(Math.abs(again.curved.coverage_percent - report.curved.coverage_percent) < 2);
+  assert.ok(Math.abs(again.curved.surface_error_mm.avg - report.curved.surface_error_mm.avg) < 0.01);
+});
+
+test("inspect reports on good and bad models", () => {
+  write("box.stl", boxStl([10, 8, 6]));
+  const box = JSON.parse(runWell("inspect", "box.stl", "--json").stdout);
+  assert.equal(box.valid, true);
+  assert.ok(Math.abs(box.volume_mm3 - 480) < 1e-6);
+  write("open.stl", boxStl([10, 8, 6]).replace(/facet[\s\S]*?endfacet\n/, ""));
+  const open = JSON.parse(runWell("inspect", "open.stl", "--json").stdout);
+  assert.equal(open.valid, false);
+  assert.equal(open.open_edges.count, 3);
+  write("block.tet", tetText(leaningBlock()));
+  assert.match(runWell("inspect", "block.tet").stdout, /tets\s+360/);
+});
