@@ -31,8 +31,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// d_max/d_min, rounded: thicknesses that grow together must not change it in the last digit, or the
-/// field would be made again.
+/// d_max/d_min, rounded: thicknesses that grow together must not change it in the last digit, or
+/// the field would be made again.
 double thickness_ratio(const Params& params) {
   constexpr double kDigits = 1e9;
   return std::round(kDigits * params.layers.max_thickness / params.layers.min_thickness) / kDigits;
@@ -93,6 +93,10 @@ void Pipeline::make_tets(Context& ctx) {
 
 void Pipeline::import_stress(Context&) {
   artifacts_.stress.reset();
+  if (!params_.strength.load_case.empty())
+    throw Error(ErrorKind::input, Stage::fea, "fea.no_analysis",
+                "strength.load_case is set, but this version has no stress analysis of its own",
+                "import a stress field with strength.stress_file");
   if (stress_bytes_.empty()) {
     if (params_.objectives.strength > 0)
       throw Error(ErrorKind::input, Stage::fea, "fea.no_stress",

@@ -66,6 +66,11 @@ MachineProfile load_machine(const std::string& machine) {
 }
 
 void set_job(Pipeline& pipeline, const Params& params) {
+  // Known before any stage has run: better said now than after minutes.
+  if (params.objectives.strength > 0 && params.strength.stress_file.empty())
+    throw Error(ErrorKind::input, Stage::fea, "fea.no_stress",
+                "objectives.strength is above 0, but there is no stress field",
+                "name a file with strength.stress_file, or set objectives.strength to 0");
   pipeline.set_params(params, load_machine(params.machine.machine));
   pipeline.set_model(read_file(params.model), params.model);
   if (!params.strength.stress_file.empty())

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 
 #include "commands.h"
@@ -54,6 +55,7 @@ int run_command(const RunOptions& options) {
   Pipeline pipeline;
   const Stage last = last_stage(pipeline, options.until);
   set_job(pipeline, collect_params(options));
+  const std::filesystem::path output = output_folder(options);
   std::optional<OutputFolder> folder;
   RunFigures figures{pipeline.params().model, ctx.pool.threads(), 0, 0, 0};
   for (std::size_t i = 0; i < pipeline.stages().size() && pipeline.stages()[i].stage <= last; ++i) {
@@ -62,7 +64,7 @@ int run_command(const RunOptions& options) {
     progress.stage_done(pipeline.stages()[i]);
     const auto export_start = Clock::now();
     if (!folder) {  // the model is one: results of an earlier run make room
-      folder.emplace(output_folder(options));
+      folder.emplace(output);
       folder->remove_results();
       folder->write("job.json", job_json(pipeline));
     }

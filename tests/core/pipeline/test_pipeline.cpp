@@ -181,7 +181,7 @@ TEST_CASE("imported stress follows the file's order of tets and turns with the m
   for (s3::Index t = 0; t < mesh.tet_count(); ++t)  // tension along the file's y, by row
     csv += std::to_string(t + 1) + ",0,1,0,1\n";
   s3::Params params;
-  params.input.up = "y";
+  params.input.up = std::string("y");
   params.objectives.strength = 0.5;
   s3::Pipeline pipeline;
   pipeline.set_params(params, machine());
