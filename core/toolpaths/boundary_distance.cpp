@@ -198,12 +198,12 @@ LayerBoundary make_boundary(const LayerMesh& mesh, const EdgeTable& edges) {
 }
 
 BoundaryHit hit_boundary(const LayerBoundary& boundary, const BoundarySource& source,
-                         const Vec3& point, bool cross_corners) {
+                         const Vec3& point, bool cross_corners, int slide) {
   const Vec3 p = source.turn * point + source.shift;
   Index edge = source.edge;
   EdgeHit best = hit_edge(boundary, edge, p);
   for (const bool forward : {true, false}) {
-    for (int slide = 0; slide < kMaxSlide; ++slide) {
+    for (int step = 0; step < slide; ++step) {
       // Only the end at which the nearest point sits can lead to something nearer, or a corner that
       // turns towards p.
       const auto i = static_cast<std::size_t>(edge);

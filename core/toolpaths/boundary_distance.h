@@ -76,8 +76,9 @@ struct BoundaryHit {
 /// @param cross_corners  false: stay on the smooth piece of boundary that the source belongs to, so
 /// that the distance
 ///                       on the far side of a medial axis can be compared with the near side's
+/// @param slide  how many edges the nearest point may move on, on either side of the source's
 BoundaryHit hit_boundary(const LayerBoundary& boundary, const BoundarySource& source,
-                         const Vec3& point, bool cross_corners);
+                         const Vec3& point, bool cross_corners, int slide = 64);
 
 /// The source of vertex `from`, carried over to a point with another normal.
 BoundarySource carry_source(const BoundarySource& source, const Vec3& from, const Vec3& from_normal,

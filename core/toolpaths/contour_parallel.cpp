@@ -14,28 +14,38 @@
 #include "toolpaths/medial_axis.h"
 #include "toolpaths/path_order.h"
 #include "toolpaths/point_grid.h"
+#include "toolpaths/simplify.h"
 
 namespace s3 {
 namespace {
 
 constexpr double kLeastWidth = 0.4;  // of w: the narrowest bead
+constexpr double kSimplify = 0.005;  // of w: how far a path may leave its exact place
 
 /// The bead coordinate and the width of the innermost ring at the vertices.
 struct BeadField {
+  double width;                   // mm, w
   Values coordinate;              // #V: u
   std::vector<Index> inner_ring;  // #V: the ring that takes up the difference; −1 for none
-  Values inner_width;             // #V mm
-  double width_of(Index vertex, Index ring, double width) const {
-    return inner_ring[static_cast<std::size_t>(vertex)] == ring ? inner_width(vertex) : width;
+  Values shift;                   // #V mm: how far that ring stands inside of its plain place
+
+  double shift_of(Index vertex, Index ring) const {
+    return inner_ring[static_cast<std::size_t>(vertex)] == ring ? shift(vertex) : 0;
   }
+  /// Distance of a ring from the boundary, and its width, as seen from a vertex.
+  double place_of(Index vertex, Index ring) const {
+    return (ring + 0.5) * width + shift_of(vertex, ring);
+  }
+  double width_of(Index vertex, Index ring) const { return width + 2 * shift_of(vertex, ring); }
 };
 
 BeadField make_bead_field(const WorkLayer& layer, const MedialPlan& medial, double width) {
   const auto n = layer.mesh.vertices.rows();
   BeadField field;
+  field.width = width;
   field.coordinate.setZero(n);
   field.inner_ring.assign(static_cast<std::size_t>(n), -1);
-  field.inner_width.setConstant(n, width);
+  field.shift.setZero(n);
   for (Eigen::Index v = 0; v < n; ++v) {
     const double d = layer.field.distance(v);
     const BoundarySource& source = layer.field.source[static_cast<std::size_t>(v)];
@@ -46,21 +56,23 @@ BeadField make_bead_field(const WorkLayer& layer, const MedialPlan& medial, doub
         hit_boundary(layer.boundary, source, layer.mesh.vertices.row(v), true), layer.boundary);
     if (plan.weight <= 0) continue;
     const auto pairs = static_cast<double>(plan.beads / 2);
+    // The largest u on the axis: no ring there, and none more than the count says.
+    const double top = plan.beads % 2 == 1 ? pairs + 0.4 : pairs;
     double fitted = plain;
-    if (plan.beads == 0) {
-      fitted = std::min(plain, 0.45);
-    } else if (plan.beads % 2 == 1) {
-      // pairs·w of rings on this side, then half of the single bead
-      const double rest = std::max(plan.radius - pairs * width, 1e-9 * width);
-      if (plain > pairs) fitted = pairs + 0.45 * std::clamp((d - pairs * width) / rest, 0.0, 1.0);
-    } else {
-      // the innermost ring takes what is left
-      const double rest = std::max(plan.radius - (pairs - 1) * width, 1e-9 * width);
-      if (plain > pairs - 1) {
-        fitted = pairs - 1 + std::clamp((d - (pairs - 1) * width) / rest, 0.0, 1.0);
-        field.inner_ring[static_cast<std::size_t>(v)] = static_cast<Index>(pairs) - 1;
-        field.inner_width(v) = plan.weight * rest + (1 - plan.weight) * width;
-      }
+    if (plan.beads < 2) {
+      fitted = top * std::min(1.0, d / plan.radius);
+    } else if (plain > pairs - 1) {
+      const double outer = (pairs - 1) * width, ring = (pairs - 0.5) * width + plan.shift;
+      if (d <= ring)
+        fitted = pairs - 1 + 0.5 * (d - outer) / (ring - outer);
+      else
+        fitted = pairs - 0.5 +
+                 (top - pairs + 0.5) *
+                     std::clamp((d - ring) / std::max(plan.radius - ring, 1e-9 * width), 0.0, 1.0);
+    }
+    if (plan.beads >= 2) {
+      field.inner_ring[static_cast<std::size_t>(v)] = static_cast<Index>(pairs) - 1;
+      field.shift(v) = plan.weight * plan.shift;
     }
     field.coordinate(v) = plan.weight * fitted + (1 - plan.weight) * plain;
   }
@@ -71,8 +83,7 @@ BeadField make_bead_field(const WorkLayer& layer, const MedialPlan& medial, doub
 /// successor.
 class RingTracer {
  public:
-  RingTracer(const WorkLayer& layer, const BeadField& field, double width)
-      : layer_(layer), field_(field), width_(width) {
+  RingTracer(const WorkLayer& layer, const BeadField& field) : layer_(layer), field_(field) {
     number_nodes();
     link_nodes();
   }
@@ -150,6 +161,17 @@ class RingTracer {
     }
   }
 
+  /// Where on the edge from a to b a ring crosses. The distance is straight between two vertices on
+  /// one side of the axis, u has a bend at the ring: so by distance, unless the crossing comes from
+  /// a change of the bead count.
+  double fraction(Index a, Index b, Index level) const {
+    const double below = layer_.field.distance(a) - field_.place_of(a, level);
+    const double above = layer_.field.distance(b) - field_.place_of(b, level);
+    if (below * above < 0) return below / (below - above);
+    const double ua = field_.coordinate(a), ub = field_.coordinate(b);
+    return std::clamp((level + 0.5 - ua) / (ub - ua), 0.0, 1.0);
+  }
+
   void fill_ring(const std::vector<std::size_t>& nodes, Path& path) const {
     const auto n = static_cast<Eigen::Index>(nodes.size());
     path.closed = true;
@@ -161,40 +183,31 @@ class RingTracer {
     for (Eigen::Index i = 0; i < n; ++i) {
       const std::size_t node = nodes[static_cast<std::size_t>(i)];
       const auto [a, b] = layer_.edges.ends[static_cast<std::size_t>(edge_[node])];
-      const double ua = field_.coordinate(a), ub = field_.coordinate(b);
-      const double t = std::clamp((level_[node] + 0.5 - ua) / (ub - ua), 0.0, 1.0);
+      const double t = fraction(a, b, level_[node]);
       path.points.row(i) = (1 - t) * layer_.mesh.vertices.row(a) + t * layer_.mesh.vertices.row(b);
       path.normals.row(i) =
           ((1 - t) * layer_.mesh.normal.row(a) + t * layer_.mesh.normal.row(b)).normalized();
       path.thickness(i) = (1 - t) * layer_.mesh.thickness(a) + t * layer_.mesh.thickness(b);
-      path.width(i) = (1 - t) * field_.width_of(a, level_[node], width_) +
-                      t * field_.width_of(b, level_[node], width_);
+      path.width(i) =
+          (1 - t) * field_.width_of(a, level_[node]) + t * field_.width_of(b, level_[node]);
     }
   }
 
   const WorkLayer& layer_;
   const BeadField& field_;
-  double width_;
   std::vector<Index> first_, first_level_;         // by edge
   std::vector<Index> level_, edge_, high_, next_;  // by node
 };
 
-/// Removes points that say nothing: nearer than `merge` to the one before.
-void merge_close_points(Path& path, double merge) {
-  std::vector<Eigen::Index> keep;
+/// Removes points that the shape does not need.
+void simplify(Path& path, double tolerance) {
   const Eigen::Index n = path.points.rows();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const bool last_of_open = !path.closed && i + 1 == n;
-    if (!keep.empty() && (path.points.row(i) - path.points.row(keep.back())).norm() < merge) {
-      if (!last_of_open || keep.size() == 1) continue;
-      keep.back() = i;
-      continue;
-    }
-    keep.push_back(i);
-  }
-  while (path.closed && keep.size() > 3 &&
-         (path.points.row(keep.front()) - path.points.row(keep.back())).norm() < merge)
-    keep.pop_back();
+  if (n < 3) return;
+  const std::vector<char> corner = find_path_corners(path, tolerance);
+  std::vector<Eigen::Index> keep;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (corner[static_cast<std::size_t>(i)]) keep.push_back(i);
+  // Tiny rings keep their points.
   if (keep.size() < (path.closed ? 3u : 2u)) return;
   Path kept;
   kept.closed = path.closed;
@@ -219,7 +232,6 @@ class AxisTracer {
       for (Index i = 0; i < static_cast<Index>(axis_.nodes.size()); ++i) {
         if (!single(i) || used_[static_cast<std::size_t>(i)] || (ends && degree(i) == 2)) continue;
         for (Index j = next(i, -1); j >= 0; j = ends ? next(i, -1) : -1) add_chain(i, j, result);
-        if (degree(i) == 0) add_dot(i, result);
       }
     return result;
   }
@@ -227,7 +239,10 @@ class AxisTracer {
  private:
   const MedialNode& node(Index i) const { return axis_.nodes[static_cast<std::size_t>(i)]; }
   bool single(Index i) const { return node(i).central && node(i).beads % 2 == 1; }
-  double width_of(Index i) const { return 2 * (node(i).radius - (node(i).beads / 2) * width_); }
+  /// What the rings on both sides leave.
+  double width_of(Index i) const {
+    return 2 * (node(i).radius - (node(i).beads / 2) * width_ - 2 * node(i).shift);
+  }
   int degree(Index i) const {
     int count = 0;
     for (auto k = axis_.graph.begin[static_cast<std::size_t>(i)];
@@ -275,7 +290,12 @@ class AxisTracer {
       closed = std::find(begin, end, chain.back()) != end;
     }
     if (!closed) trim(chain);
-    if (chain.size() < 2) return;
+    // Crumbs between branches are left to HoleFiller.
+    constexpr double kLeastLength = 0.5;  // of w
+    double length = 0;
+    for (std::size_t i = 1; i < chain.size(); ++i)
+      length += (node(chain[i]).point - node(chain[i - 1]).point).norm();
+    if (length < kLeastLength * width_) return;
     emit(chain, closed, result);
   }
 
@@ -315,8 +335,6 @@ class AxisTracer {
     }
     result.push_back(std::move(bead));
   }
-
-  void add_dot(Index, std::vector<PlannedPath>&) const {}
 
   const MedialAxis& axis_;
   double width_;
@@ -363,6 +381,122 @@ void drop_rings_on_beads(std::vector<PlannedPath>& rings, const std::vector<Plan
   rings.erase(std::remove_if(rings.begin(), rings.end(), on_bead), rings.end());
 }
 
+/// Short beads in the holes that rings and axis beads leave: at triangular meeting points, and
+/// around single maxima.
+class HoleFiller {
+ public:
+  HoleFiller(const WorkLayer& layer, const Values& coordinate, const MedialAxis& axis, double width)
+      : layer_(layer), coordinate_(coordinate), axis_(axis), width_(width), grid_(1) {}
+
+  void fill(std::vector<PlannedPath>& paths) {
+    double widest = width_;
+    for (const PlannedPath& p : paths) widest = std::max(widest, p.path.width.maxCoeff());
+    grid_ = PointGrid(0.5 * widest + kLargestRadius * width_);
+    for (const PlannedPath& p : paths) add_points(p.path);
+    grid_.finish();
+    collect();
+    std::sort(holes_.begin(), holes_.end(), [](const Hole& a, const Hole& b) {
+      return a.radius != b.radius ? a.radius > b.radius : a.order < b.order;
+    });
+    std::vector<Hole> filled;
+    for (Hole& hole : holes_) {
+      for (const Hole& other : filled)
+        hole.radius = std::min(hole.radius, (other.point - hole.point).norm() - other.radius);
+      if (2 * hole.radius < kLeastWidth * width_) continue;
+      filled.push_back(hole);
+      paths.push_back(bead(hole));
+    }
+  }
+
+ private:
+  static constexpr double kLargestRadius = 0.6;  // of w
+  struct Hole {
+    Vec3 point, normal, along;
+    double thickness, radius;
+    Index vertex, order;
+  };
+
+  void add_points(const Path& path) {
+    const Eigen::Index n = path.points.rows();
+    for (Eigen::Index i = 0; i + 1 < n + (path.closed ? 1 : 0); ++i) {
+      const Eigen::Index j = (i + 1) % n;
+      const Vec3 a = path.points.row(i), b = path.points.row(j);
+      const int pieces = 1 + static_cast<int>((b - a).norm() / (0.2 * width_));
+      for (int k = 0; k <= pieces; ++k) {
+        const double t = static_cast<double>(k) / pieces;
+        grid_.add((1 - t) * a + t * b);
+        reach_.push_back(0.5 * ((1 - t) * path.width(i) + t * path.width(j)));
+      }
+    }
+  }
+
+  /// Radius of the largest disc around a point that no bead touches.
+  double clearance(const Vec3& p, double boundary_distance) const {
+    double radius = std::min(kLargestRadius * width_, boundary_distance);
+    grid_.visit(p, [&](Index i) {
+      radius = std::min(radius, (grid_.point(i) - p).norm() - reach_[static_cast<std::size_t>(i)]);
+    });
+    return radius;
+  }
+
+  void add(Hole hole, double boundary_distance) {
+    hole.radius = clearance(hole.point, boundary_distance);
+    if (2 * hole.radius < kLeastWidth * width_) return;
+    hole.order = static_cast<Index>(holes_.size());
+    holes_.push_back(hole);
+  }
+
+  void collect() {
+    for (std::size_t i = 0; i < axis_.nodes.size(); ++i) {
+      const MedialNode& node = axis_.nodes[i];
+      Vec3 along = node.normal.unitOrthogonal();
+      if (axis_.graph.begin[i] < axis_.graph.begin[i + 1]) {
+        const Index other = axis_.graph.neighbor[static_cast<std::size_t>(axis_.graph.begin[i])];
+        const Vec3 way = axis_.nodes[static_cast<std::size_t>(other)].point - node.point;
+        if (way.norm() > 1e-9 * width_) along = way.normalized();
+      }
+      add({node.point, node.normal, along, node.thickness, 0, node.vertex, 0}, node.radius);
+    }
+    std::vector<char> highest(static_cast<std::size_t>(layer_.mesh.vertices.rows()), 1);
+    for (const auto& [a, b] : layer_.edges.ends)
+      highest[static_cast<std::size_t>(
+          layer_.field.distance(a) < layer_.field.distance(b) ? a : b)] = 0;
+    for (Eigen::Index v = 0; v < layer_.mesh.vertices.rows(); ++v) {
+      if (!highest[static_cast<std::size_t>(v)] || !std::isfinite(layer_.field.distance(v)))
+        continue;
+      const Vec3 normal = layer_.mesh.normal.row(v);
+      add({layer_.mesh.vertices.row(v), normal, normal.unitOrthogonal(), layer_.mesh.thickness(v),
+           0, static_cast<Index>(v), 0},
+          layer_.field.distance(v));
+    }
+  }
+
+  PlannedPath bead(const Hole& hole) const {
+    PlannedPath planned;
+    planned.level = static_cast<Index>(std::floor(coordinate_(hole.vertex) + 0.5));
+    planned.inner_vertex = hole.vertex;
+    Path& path = planned.path;
+    path.kind = PathKind::gap_fill;
+    path.points.resize(2, 3);
+    // Long enough to be printed at all; its round ends do the rest.
+    path.points.row(0) = hole.point - 0.4 * hole.radius * hole.along;
+    path.points.row(1) = hole.point + 0.4 * hole.radius * hole.along;
+    path.normals.resize(2, 3);
+    path.normals.rowwise() = hole.normal.transpose();
+    path.thickness.setConstant(2, hole.thickness);
+    path.width.setConstant(2, 2 * hole.radius);
+    return planned;
+  }
+
+  const WorkLayer& layer_;
+  const Values& coordinate_;
+  const MedialAxis& axis_;
+  double width_;
+  PointGrid grid_;
+  std::vector<double> reach_;
+  std::vector<Hole> holes_;
+};
+
 struct PlannedLayer {
   LayerPaths measured;  // without the paths
   PathTree tree;
@@ -379,15 +513,14 @@ PlannedLayer plan_layer(const Layer& layer, double width, const Context& ctx) {
   }
   const MedialPlan medial(work, width, ctx);
   const BeadField field = make_bead_field(work, medial, width);
-  std::vector<PlannedPath> planned = RingTracer(work, field, width).rings();
+  std::vector<PlannedPath> planned = RingTracer(work, field).rings();
   std::vector<PlannedPath> beads = AxisTracer(medial.axis(), width).beads();
   drop_rings_on_beads(planned, beads, width);
   std::move(beads.begin(), beads.end(), std::back_inserter(planned));
+  for (PlannedPath& p : planned) simplify(p.path, kSimplify * width);
+  HoleFiller(work, field.coordinate, medial.axis(), width).fill(planned);
   std::vector<Path> paths;
-  for (PlannedPath& p : planned) {
-    merge_close_points(p.path, 0.03 * width);
-    paths.push_back(p.path);
-  }
+  for (const PlannedPath& p : planned) paths.push_back(p.path);
   std::vector<InnerDisc> discs;
   for (Eigen::Index v = 0; v < work.mesh.vertices.rows(); ++v)
     if (std::isfinite(work.field.distance(v)))

@@ -12,6 +12,7 @@ namespace s3 {
 namespace {
 
 constexpr double kSampleDistance = 0.2;  // of w
+constexpr double kSliver = 0.002;        // of w: gaps and overlaps narrower than this are rounding
 constexpr double kStrandGap = 1.5;       // of w, along the path
 
 struct Segment {
@@ -116,6 +117,7 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
   any.finish();
 
   Coverage result;
+  const double sliver = kSliver * width;
   std::vector<Strand> touching;
   std::vector<Index> near, near_deep;
   for (Eigen::Index f = 0; f < layer.triangles.rows(); ++f) {
@@ -158,18 +160,22 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
                      up = (i + (j % 2 == 0 ? 1.0 : 2.0) / 3) / m;
         const Vec3 p = v[0] + along * (v[1] - v[0]) + up * (v[2] - v[0]);
         touching.clear();
+        bool covered = false;
         for (const Index n : near) {
           const Segment& segment = segments[static_cast<std::size_t>(n)];
           double t = 0;
           const double away = distance_to_segment(p, segment, t);
-          if (away > 0.5 * ((1 - t) * segment.width_a + t * segment.width_b)) continue;
+          const double inside = 0.5 * ((1 - t) * segment.width_a + t * segment.width_b) - away;
+          covered = covered || inside >= -sliver;
+          if (inside < sliver) continue;
           const double position = segment.from + t * (segment.b - segment.a).norm();
           touching.push_back({segment.path, position, position});
         }
-        const std::size_t strands =
-            touching.empty() ? 0 : count_strands(touching, lengths, kStrandGap * width);
-        if (strands > 0) result.covered += part;
-        if (strands == 0) {
+        const std::size_t strands = touching.size() < 2
+                                        ? touching.size()
+                                        : count_strands(touching, lengths, kStrandGap * width);
+        if (covered) result.covered += part;
+        if (!covered) {
           bool fits = false;
           any.visit(p, [&](Index d) {
             fits = fits || (any.point(d) - p).norm() <= any_radius[static_cast<std::size_t>(d)];

@@ -48,15 +48,23 @@ Crossing find_crossing(const WorkLayer& layer, Index e) {
   const BoundaryHit from_c = hit_boundary(layer.boundary, source_c, middle, false);
   crossing.opening = std::acos(std::clamp(from_a.away.dot(from_c.away), -1.0, 1.0));
   if (crossing.opening < kLeastOpening) return crossing;
-  const double excess_a = std::max(
-      0.0, hit_boundary(layer.boundary, source_c, pa, false).distance - layer.field.distance(a));
-  const double excess_c = std::max(
-      0.0, hit_boundary(layer.boundary, source_a, pc, false).distance - layer.field.distance(c));
+  // The two feet stay where they are, but for a few edges: on a round layer they would meet
+  // otherwise.
+  constexpr int kSlide = 3;
+  BoundarySource near_a = source_a, near_c = source_c;
+  near_a.edge = from_a.edge;
+  near_c.edge = from_c.edge;
+  const double excess_a =
+      std::max(0.0, hit_boundary(layer.boundary, near_c, pa, false, kSlide).distance -
+                        layer.field.distance(a));
+  const double excess_c =
+      std::max(0.0, hit_boundary(layer.boundary, near_a, pc, false, kSlide).distance -
+                        layer.field.distance(c));
   if (excess_a + excess_c < 1e-3 * (pc - pa).norm()) return crossing;
   crossing.fraction = excess_a / (excess_a + excess_c);
   const Vec3 point = pa + crossing.fraction * (pc - pa);
-  crossing.foot = {hit_boundary(layer.boundary, source_a, point, false),
-                   hit_boundary(layer.boundary, source_c, point, false)};
+  crossing.foot = {hit_boundary(layer.boundary, near_a, point, false, kSlide),
+                   hit_boundary(layer.boundary, near_c, point, false, kSlide)};
   crossing.radius = 0.5 * (crossing.foot[0].distance + crossing.foot[1].distance);
   crossing.exists = true;
   return crossing;
@@ -234,12 +242,13 @@ WorkLayer prepare_layer(LayerMesh mesh, double width, const Context& ctx) {
 MedialPlan::MedialPlan(const WorkLayer& layer, double width, const Context& ctx) : width_(width) {
   find_nodes(layer, width, ctx);
   count_beads(width);
+  place_inner_rings(width);
   samples_.resize(layer.boundary.loop_length.size());
   for (std::size_t i = 0; i < node_loop_.size(); ++i) {
     const MedialNode& node = axis_.nodes[i];
     for (std::size_t side = 0; side < 2; ++side)
       samples_[static_cast<std::size_t>(node_loop_[i][side])].push_back(
-          {node_position_[i][side], node.radius, node.beads, node.central});
+          {node_position_[i][side], node.radius, node.beads, node.central, node.shift});
   }
   for (auto& loop : samples_)
     std::sort(loop.begin(), loop.end(), [](const Sample& a, const Sample& b) {
@@ -334,6 +343,35 @@ void MedialPlan::count_beads(double width) {
   }
 }
 
+void MedialPlan::place_inner_rings(double width) {
+  // Of an even count, the innermost pair shares what is left; beside a single bead, rings keep
+  // their place. Where one follows the other along the axis, a diffusion over about half a bead
+  // makes the ring change over smoothly.
+  constexpr int kRounds = 30;
+  const auto pairs = [&](const MedialNode& node) { return node.central ? node.beads / 2 : 0; };
+  for (MedialNode& node : axis_.nodes)
+    if (pairs(node) > 0 && node.beads % 2 == 0)
+      node.shift = 0.5 * (node.radius - pairs(node) * width);
+  std::vector<double> next(axis_.nodes.size());
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < axis_.nodes.size(); ++i) {
+      const MedialNode& node = axis_.nodes[i];
+      double sum = node.shift;
+      int count = 1;
+      for (auto k = axis_.graph.begin[i]; k < axis_.graph.begin[i + 1]; ++k) {
+        const MedialNode& other =
+            axis_
+                .nodes[static_cast<std::size_t>(axis_.graph.neighbor[static_cast<std::size_t>(k)])];
+        if (pairs(other) == 0 || pairs(other) != pairs(node)) continue;
+        sum += other.shift;
+        ++count;
+      }
+      next[i] = sum / count;
+    }
+    for (std::size_t i = 0; i < axis_.nodes.size(); ++i) axis_.nodes[i].shift = next[i];
+  }
+}
+
 BeadPlan MedialPlan::at(const BoundaryHit& hit, const LayerBoundary& boundary) const {
   BeadPlan plan;
   const auto loop_number =
@@ -370,6 +408,9 @@ BeadPlan MedialPlan::at(const BoundaryHit& hit, const LayerBoundary& boundary) c
   const bool use_right = side[1]->central && (!side[0]->central || t > 0.5);
   plan.weight = (1 - t) * side[0]->central + t * side[1]->central;
   plan.beads = side[use_right ? 1 : 0]->beads;
+  plan.shift = side[use_right ? 1 : 0]->shift;
+  if (side[0]->central && side[1]->central && side[0]->beads / 2 == side[1]->beads / 2)
+    plan.shift = (1 - t) * side[0]->shift + t * side[1]->shift;
   const bool both = side[0]->central && side[1]->central;
   plan.radius =
       both ? (1 - t) * side[0]->radius + t * side[1]->radius : side[use_right ? 1 : 0]->radius;

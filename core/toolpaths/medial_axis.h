@@ -35,6 +35,7 @@ struct MedialNode {
                        // square corner
   Index vertex = -1;  // a mesh vertex beside it
   Index beads = 0;    // across the axis; only where central
+  double shift = 0;   // mm: how far the innermost ring stands inside of its plain place
   bool central = false;
 };
 
@@ -49,6 +50,7 @@ struct MedialAxis {
 struct BeadPlan {
   double radius = 0;  // mm at the far end of the straight line from the boundary through the point
   Index beads = 0;    // across 2·radius
+  double shift = 0;   // mm: how far the innermost ring stands inside of its plain place
   double weight =
       0;  // 1: the line ends on a central piece; 0: at a corner, where beads keep their width
 };
@@ -66,9 +68,11 @@ class MedialPlan {
     double position, radius;
     Index beads;
     bool central;
+    double shift;
   };
   void find_nodes(const WorkLayer& layer, double width, const Context& ctx);
   void count_beads(double width);
+  void place_inner_rings(double width);
   MedialAxis axis_;
   double width_;
   std::vector<std::array<Index, 2>> node_loop_;

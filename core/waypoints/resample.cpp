@@ -1,45 +1,12 @@
-// Corners by Douglas and Peucker (1973), then equal arc length between them.
+// Corners first, then equal arc length between them.
 #include "waypoints/resample.h"
+
+#include "toolpaths/simplify.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace s3 {
-namespace {
-
-double distance_to_chord(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 ab = b - a;
-  const double length2 = ab.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(ab) / length2, 0.0, 1.0) : 0.0;
-  return (p - (a + t * ab)).norm();
-}
-
-/// Marks the points that a polyline needs to stay within the tolerance.
-std::vector<char> find_corners(const Points& points, double tolerance) {
-  const Eigen::Index n = points.rows();
-  std::vector<char> corner(static_cast<std::size_t>(n), 0);
-  corner.front() = corner.back() = 1;
-  std::vector<std::pair<Eigen::Index, Eigen::Index>> open = {{0, n - 1}};
-  while (!open.empty()) {
-    const auto [a, b] = open.back();
-    open.pop_back();
-    double worst = tolerance;
-    Eigen::Index split = -1;
-    for (Eigen::Index i = a + 1; i < b; ++i) {
-      const double d = distance_to_chord(points.row(i), points.row(a), points.row(b));
-      if (d > worst) worst = d, split = i;
-    }
-    if (split < 0) continue;
-    corner[static_cast<std::size_t>(split)] = 1;
-    open.emplace_back(a, split);
-    open.emplace_back(split, b);
-  }
-  return corner;
-}
-
-}  // namespace
-
 Path resample(const Path& path, double spacing, double tolerance) {
   Path result;
   result.kind = path.kind;
@@ -55,7 +22,7 @@ Path resample(const Path& path, double spacing, double tolerance) {
           along[static_cast<std::size_t>(i - 1)] + (points.row(i) - points.row(i - 1)).norm();
   }
   // Half the tolerance for the corners leaves the other half to the points between them.
-  const std::vector<char> corner = find_corners(points, 0.5 * tolerance);
+  const std::vector<char> corner = find_path_corners(path, 0.5 * tolerance);
   std::vector<double> places = {0};
   for (Eigen::Index i = 1, from = 0; i < n; ++i) {
     if (!corner[static_cast<std::size_t>(i)]) continue;
