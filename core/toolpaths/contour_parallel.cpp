@@ -521,13 +521,18 @@ PlannedLayer plan_layer(const Layer& layer, double width, const Context& ctx) {
   HoleFiller(work, field.coordinate, medial.axis(), width).fill(planned);
   std::vector<Path> paths;
   for (const PlannedPath& p : planned) paths.push_back(p.path);
+  // Measured on the layer as it came: its vertices are the first of the refined ones. Together with
+  // the medial axis they are dense enough to tell where it is wide.
+  const LayerMesh plain{layer.surface.vertices, layer.normal, layer.thickness,
+                        layer.surface.triangles};
+  const Values distance = work.field.distance.head(plain.vertices.rows());
   std::vector<InnerDisc> discs;
-  for (Eigen::Index v = 0; v < work.mesh.vertices.rows(); ++v)
-    if (std::isfinite(work.field.distance(v)))
-      discs.push_back({work.mesh.vertices.row(v), work.field.distance(v)});
-  for (const MedialNode& node : medial.axis().nodes) discs.push_back({node.point, node.radius});
-  const Coverage coverage = measure_coverage(work.mesh, work.field.distance, discs, paths, width,
-                                             kLeastWidth * width, ctx);
+  for (Eigen::Index v = 0; v < plain.vertices.rows(); ++v)
+    if (std::isfinite(distance(v))) discs.push_back({plain.vertices.row(v), distance(v)});
+  for (std::size_t i = 0; i < medial.axis().nodes.size(); i += 2)
+    discs.push_back({medial.axis().nodes[i].point, medial.axis().nodes[i].radius});
+  const Coverage coverage =
+      measure_coverage(plain, distance, discs, paths, width, kLeastWidth * width, ctx);
   measured.area = coverage.area;
   measured.covered_area = coverage.covered;
   measured.overlap_area = coverage.overlap;

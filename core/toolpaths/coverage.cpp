@@ -16,7 +16,8 @@ constexpr double kSliver = 0.002;        // of w: gaps and overlaps narrower tha
 constexpr double kStrandGap = 1.5;       // of w, along the path
 
 struct Segment {
-  Vec3 a, b, normal;
+  Vec3 a, along, normal;  // along: from a to b
+  double length, per_squared_length;
   double width_a, width_b;
   double from;  // position along the path, mm
   Index path;
@@ -27,11 +28,10 @@ struct Strand {
   double first, last;  // along the path, mm
 };
 
-double distance_to_segment(const Vec3& p, const Segment& s, double& t) {
-  const Vec3 ab = s.b - s.a;
-  const double length2 = ab.squaredNorm();
-  t = length2 > 0 ? std::clamp((p - s.a).dot(ab) / length2, 0.0, 1.0) : 0.0;
-  return (p - (s.a + t * ab)).norm();
+double squared_distance(const Vec3& p, const Segment& s, double& t) {
+  const Vec3 from = p - s.a;
+  t = std::clamp(from.dot(s.along) * s.per_squared_length, 0.0, 1.0);
+  return (from - t * s.along).squaredNorm();
 }
 
 std::vector<Segment> make_segments(const std::vector<Path>& paths, std::vector<double>& lengths) {
@@ -42,9 +42,12 @@ std::vector<Segment> make_segments(const std::vector<Path>& paths, std::vector<d
     double from = 0;
     for (Eigen::Index i = 0; i + 1 < n + (path.closed ? 1 : 0); ++i) {
       const Eigen::Index j = (i + 1) % n;
-      segments.push_back({path.points.row(i), path.points.row(j), path.normals.row(i),
-                          path.width(i), path.width(j), from, static_cast<Index>(k)});
-      from += (path.points.row(j) - path.points.row(i)).norm();
+      const Vec3 a = path.points.row(i), along = Vec3(path.points.row(j)) - a;
+      const double length = along.norm();
+      segments.push_back({a, along, path.normals.row(i), length,
+                          length > 0 ? 1 / (length * length) : 0, path.width(i), path.width(j),
+                          from, static_cast<Index>(k)});
+      from += length;
     }
     lengths.push_back(path.closed ? from : std::numeric_limits<double>::infinity());
   }
@@ -98,17 +101,20 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
   std::vector<Index> owner;
   for (std::size_t s = 0; s < segments.size(); ++s) {
     const Segment& segment = segments[s];
-    const int pieces = 1 + static_cast<int>((segment.b - segment.a).norm() / (0.5 * widest));
+    const int pieces = 1 + static_cast<int>(segment.length / (0.5 * widest));
     for (int i = 0; i < pieces; ++i) {
-      grid.add(segment.a + (segment.b - segment.a) * ((i + 0.5) / pieces));
+      grid.add(segment.a + segment.along * ((i + 0.5) / pieces));
       owner.push_back(static_cast<Index>(s));
     }
   }
   grid.finish();
-  PointGrid deep(width + triangle_reach), any(width);
-  std::vector<double> any_radius;
+  PointGrid deep(1.3 * width + triangle_reach), any(width);
+  std::vector<double> deep_radius, any_radius;
   for (const InnerDisc& disc : discs) {
-    if (disc.radius >= width) deep.add(disc.center);
+    if (disc.radius >= width) {
+      deep.add(disc.center);
+      deep_radius.push_back(disc.radius);
+    }
     if (2 * disc.radius < least_width) continue;
     any.add(disc.center);
     any_radius.push_back(disc.radius);
@@ -135,13 +141,16 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
     const double part = area / (m * m);
     result.area += area;
     const Vec3 middle = (v[0] + v[1] + v[2]) / 3;
+    const double reach =
+        std::sqrt(std::max({(v[0] - middle).squaredNorm(), (v[1] - middle).squaredNorm(),
+                            (v[2] - middle).squaredNorm()}));
     near.clear();
     grid.visit(middle, [&](Index point) {
       const Index s = owner[static_cast<std::size_t>(point)];
+      const Segment& segment = segments[static_cast<std::size_t>(s)];
+      const double far = 0.5 * std::max(segment.width_a, segment.width_b) + sliver + reach;
       double t = 0;
-      if (segments[static_cast<std::size_t>(s)].normal.dot(normal) >= 0.3 &&
-          distance_to_segment(middle, segments[static_cast<std::size_t>(s)], t) <=
-              0.5 * widest + triangle_reach)
+      if (segment.normal.dot(normal) >= 0.3 && squared_distance(middle, segment, t) <= far * far)
         near.push_back(s);
     });
     std::sort(near.begin(), near.end());
@@ -151,8 +160,15 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
     near_deep.clear();
     if (depth < width)
       deep.visit(middle, [&](Index d) {
-        if ((deep.point(d) - middle).norm() <= width + triangle_reach) near_deep.push_back(d);
+        if ((deep.point(d) - middle).norm() <= 1.3 * width + reach) near_deep.push_back(d);
       });
+    // The nearest first: it settles the question for most samples.
+    if (!near_deep.empty())
+      std::iter_swap(near_deep.begin(),
+                     std::min_element(near_deep.begin(), near_deep.end(), [&](Index a, Index b) {
+                       return (deep.point(a) - middle).squaredNorm() <
+                              (deep.point(b) - middle).squaredNorm();
+                     }));
     for (int i = 0; i < m; ++i)
       for (int j = 0; j < 2 * (m - i) - 1; ++j) {
         // Centre of small triangle j in row i of the subdivision.
@@ -164,11 +180,12 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
         for (const Index n : near) {
           const Segment& segment = segments[static_cast<std::size_t>(n)];
           double t = 0;
-          const double away = distance_to_segment(p, segment, t);
-          const double inside = 0.5 * ((1 - t) * segment.width_a + t * segment.width_b) - away;
-          covered = covered || inside >= -sliver;
-          if (inside < sliver) continue;
-          const double position = segment.from + t * (segment.b - segment.a).norm();
+          const double squared = squared_distance(p, segment, t);
+          const double half = 0.5 * ((1 - t) * segment.width_a + t * segment.width_b);
+          if (squared > (half + sliver) * (half + sliver)) continue;
+          covered = true;
+          if (squared > (half - sliver) * (half - sliver)) continue;
+          const double position = segment.from + t * segment.length;
           touching.push_back({segment.path, position, position});
         }
         const std::size_t strands = touching.size() < 2
@@ -184,7 +201,7 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
         }
         const bool wide =
             depth >= width || std::any_of(near_deep.begin(), near_deep.end(), [&](Index d) {
-              return (deep.point(d) - p).squaredNorm() <= width * width;
+              return (deep.point(d) - p).norm() <= deep_radius[static_cast<std::size_t>(d)];
             });
         if (!wide) continue;
         result.wide += part;

@@ -5,8 +5,8 @@
 // within half its own width of it, on the same side of the layer (the normals agree). It is *laid
 // twice* when two strands do so: a strand is a stretch of one path, and two stretches of a path are
 // different strands when more than 1.5 widths of path lie between them, so the two legs of a corner
-// count once. Overlap is counted where the layer is *wider than two beads*: within w of a point
-// that is at least w away from the boundary.
+// count once. Overlap is counted where the layer is *wider than two beads*: inside of some
+// disc of radius w or more that does not cross the boundary.
 #pragma once
 #include <vector>
 
@@ -20,9 +20,8 @@ struct Coverage {
   double area = 0;     // mm² of the layer
   double covered = 0;  // mm²
   double wide = 0;     // mm² where the layer is wider than two beads
-  double overlap =
-      0;  // mm² laid more than once within the wide part; what is laid three times counts twice
-  double thin = 0;  // mm² without a bead, because the layer is too narrow there
+  double overlap = 0;  // mm² laid more than once in there; what is laid three times counts twice
+  double thin = 0;     // mm² without a bead, because the layer is too narrow there
 };
 
 /// A disc on the layer that touches its boundary: vertices with their distance, and points of the
