@@ -50,11 +50,33 @@ constexpr double kSearchFactor = 4;
 // Thickness from G is off by that much near jumps of ∇G; a rim is given up only beyond it.
 constexpr double kEstimateSlack = 1.3;
 
+// Distances of a surface's vertices to the material.
+struct Measured {
+  Values thickness;          // #V mm
+  std::vector<Index> below;  // #V: the component that the nearest point belongs to, or the plate
+  std::vector<char> on_rim;  // #V: the nearest point lies on that component's boundary
+};
+
+// The cut zone reaches this share of the way from d_min to the thickness that the next layer could
+// still cover.
+constexpr double kCutZone = 0.5;
+constexpr int kRefinements = 3;
+// Above smooth material too, the thickness between vertices differs from theirs, by up to this
+// share of the range.
+constexpr double kNear = 0.15;
+// Pieces that reach beyond d_max by up to this factor are taken away: a rim that remeshing has
+// pushed over the limit.
+constexpr double kRimFactor = 1.1;
+// How far around a point that cannot be carried the thickness does not restrict the next layer, in
+// d_max.
+constexpr double kGivenUpRadius = 1.5;
+constexpr int kTrimRounds = 3;
+
 // An isosurface that may become the next layer.
 struct Probe {
   double iso = 0;
   Isosurface surface;
-  Values thickness;       // #V mm, to the material so far
+  Measured distance;
   double thickest = 0;    // of the points that some iso value could bring into the range
   double suggestion = 0;  // the iso value at which the thickest would reach the goal
 };
@@ -87,9 +109,18 @@ class Slicer {
   Probe spread_to_top(Probe best, double top);
   double thin_area(const Probe& probe) const;
   double lowest_step(const Probe& probe) const;
-  Values keep_value(const Probe& probe) const;
-  void print(const Isosurface& kept, double iso, bool partial);
-  Values measure(const Points& points) const;
+  Measured measure(const Points& points) const;
+  void refine_extremes(Isosurface& surface, Measured& distance, double low, double high) const;
+  Values keep_value(const Isosurface& surface, const Values& thickness) const;
+  void trim(Isosurface& surface, Measured& distance);
+  bool mark_uncarried(const Isosurface& surface, const Values& thickness, Values& keep);
+  void remove_thin_triangles(Isosurface& surface, Measured& distance) const;
+  bool is_given_up(const Vec3& p) const;
+  void give_up(const Probe& probe);
+  void print(const Isosurface& kept, double iso, bool partial, bool bounded);
+  void drop_slivers();
+  void report_unsupported();
+  void finish();
 
   const TetMesh& rest_;
   const ScalarField& field_;
@@ -101,6 +132,7 @@ class Slicer {
   double d_min_, d_max_, low_, high_;
   double bead_area_;
   std::vector<double> slope_;            // #T ‖∇G‖
+  std::vector<Vec3> given_up_;           // places beyond reach, of the running search
   double last_iso_ = 0, last_step_ = 0;  // of G
 };
 
@@ -127,16 +159,8 @@ Probe Slicer::probe(double iso) {
   result.iso = iso;
   result.surface = extractor_.extract(iso);
   const Points& points = result.surface.surface.vertices;
-  result.thickness.resize(points.rows());
-  std::vector<Index> below(static_cast<std::size_t>(points.rows()));
-  parallel_for(ctx_.pool, below.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      const auto row = static_cast<Eigen::Index>(v);
-      const auto nearest = material_.nearest(points.row(row).transpose(), kSearchFactor * d_max_);
-      result.thickness(row) = nearest.distance;
-      below[v] = nearest.id;
-    }
-  });
+  result.distance = measure(points);
+  const std::vector<Index>& below = result.distance.below;
   const Values slope = vertex_slopes(result.surface, slope_);
   const double steepest = kEstimateSlack * high_ / low_;
   const double goal = high_ - 0.4 * kTargetWindow * (d_max_ - d_min_);
@@ -147,9 +171,10 @@ Probe Slicer::probe(double iso) {
         below[v] == PrintedMaterial::kPlate ? 0.0 : stack_.layers[below[v]].iso_value;
     const double estimate = std::max((iso - below_iso) / slope(v), 0.0);
     const double risen = (iso - last_iso_) / slope(v);
-    const double thickness = result.thickness(v);
+    const double thickness = result.distance.thickness(v);
     if (thickness > high_ &&
-        (thickness > steepest * estimate || thickness > low_ + steepest * risen))
+        (thickness > steepest * estimate || thickness > low_ + steepest * risen ||
+         is_given_up(points.row(v).transpose())))
       continue;
     result.thickest = std::max(result.thickest, thickness);
     const double growth = std::clamp(estimate > 0 ? thickness / estimate : 1.0, 1.0, steepest);
@@ -169,14 +194,35 @@ double Slicer::lowest_step(const Probe& probe) const {
   return 0.5 * low_ * std::max(*nth, 1e-3);
 }
 
+bool Slicer::is_given_up(const Vec3& p) const {
+  const double radius = kGivenUpRadius * d_max_;
+  return std::any_of(given_up_.begin(), given_up_.end(),
+                     [&](const Vec3& q) { return (p - q).squaredNorm() < radius * radius; });
+}
+
+// Notes the places that are too thick even for the smallest step. Near ones stand for each other.
+void Slicer::give_up(const Probe& probe) {
+  const Points& points = probe.surface.surface.vertices;
+  for (Eigen::Index v = 0; v < points.rows(); ++v) {
+    if (probe.distance.thickness(v) <= high_) continue;
+    const Vec3 p = points.row(v).transpose();
+    const double near = 0.5 * d_max_;
+    if (std::none_of(given_up_.begin(), given_up_.end(),
+                     [&](const Vec3& q) { return (p - q).squaredNorm() < near * near; }))
+      given_up_.push_back(p);
+  }
+}
+
 // The highest isosurface above the last that is nowhere thicker than allowed, by bracketing with
 // the suggestions of the probes.
 Probe Slicer::next_surface(double top) {
   Probe best;
-  bool found = false;
-  double infeasible = std::numeric_limits<double>::infinity();
+  bool found = false, gave_up = false;
+  const double infinity = std::numeric_limits<double>::infinity();
+  double infeasible = infinity;
   double guess = std::min(last_iso_ + last_step_, top);
   double floor = last_iso_;
+  given_up_.clear();
   for (int round = 0; round < kMaxProbes; ++round) {
     Probe now = probe(guess);
     floor = std::min(last_iso_ + lowest_step(now), top);
@@ -187,12 +233,18 @@ Probe Slicer::next_surface(double top) {
       found = true;
       if (full) break;
       next = std::min(next, last_iso_ + 3 * (guess - last_iso_));
-    } else {
+    } else if (guess > floor) {
       infeasible = guess;
-      if (guess <= floor) return now;
+    } else if (gave_up) {
+      return now;
+    } else {
+      give_up(now);
+      gave_up = true;
+      infeasible = infinity;
+      next = last_iso_ + last_step_;
     }
     const double feasible = found ? best.iso : floor;
-    if (std::isfinite(infeasible)) {
+    if (infeasible < infinity) {
       const double span = infeasible - feasible;
       if (found && span < 0.02 * (infeasible - last_iso_)) break;
       next = std::clamp(next, feasible + (found ? 0.1 * span : 0.0), infeasible - 0.1 * span);
@@ -208,7 +260,8 @@ double Slicer::thin_area(const Probe& probe) const {
   for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f) {
     const auto corners = surface.triangles.row(f);
     const double mean =
-        (probe.thickness(corners(0)) + probe.thickness(corners(1)) + probe.thickness(corners(2))) /
+        (probe.distance.thickness(corners(0)) + probe.distance.thickness(corners(1)) +
+         probe.distance.thickness(corners(2))) /
         3;
     if (mean < low_) area += triangle_normal_2a(surface.vertices, corners).norm() / 2;
   }
@@ -227,58 +280,244 @@ Probe Slicer::spread_to_top(Probe best, double top) {
                                                                           : std::move(best);
 }
 
-// Where to keep an isosurface: not negative exactly on the kept part. The cut follows the smoothed
-// thickness, so that it does not fray; it may take away what a later layer can cover, and must take
-// away what is too thin.
-Values Slicer::keep_value(const Probe& probe) const {
-  const TriMesh& surface = probe.surface.surface;
-  constexpr int kSmoothing = 3;
-  Values smooth = probe.thickness;
-  for (int round = 0; round < kSmoothing; ++round) {
-    Values sum = smooth, count = Values::Ones(smooth.size());
-    for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f)
-      for (int i = 0; i < 3; ++i) {
-        sum(surface.triangles(f, i)) +=
-            smooth(surface.triangles(f, (i + 1) % 3)) + smooth(surface.triangles(f, (i + 2) % 3));
-        count(surface.triangles(f, i)) += 2;
+// Where to keep an isosurface: not negative exactly on the kept part. What is too thin must go;
+// with it goes the zone around it that is hardly thicker, so that the next layer, which is carried
+// by the edge of this one, is not too thin there in turn.
+Values Slicer::keep_value(const Isosurface& surface, const Values& thickness) const {
+  const SurfaceEdges edges(surface.surface.triangles, static_cast<Index>(thickness.size()));
+  const double margin = low_ + kCutZone * std::max(0.5 * high_ - low_, 0.0);
+  std::vector<std::vector<Index>> neighbors(static_cast<std::size_t>(thickness.size()));
+  for (Eigen::Index e = 0; e < edges.ends.rows(); ++e) {
+    neighbors[edges.ends(e, 0)].push_back(edges.ends(e, 1));
+    neighbors[edges.ends(e, 1)].push_back(edges.ends(e, 0));
+  }
+  std::vector<char> removed(neighbors.size(), 0);
+  std::vector<Index> front;
+  for (Eigen::Index v = 0; v < thickness.size(); ++v)
+    if (thickness(v) < low_) front.push_back(static_cast<Index>(v));
+  for (const Index v : front) removed[v] = 1;
+  while (!front.empty()) {
+    const Index v = front.back();
+    front.pop_back();
+    for (const Index w : neighbors[v])
+      if (!removed[w] && thickness(w) < margin) {
+        removed[w] = 1;
+        front.push_back(w);
       }
-    smooth = sum.cwiseQuotient(count);
   }
-  for (Eigen::Index v = 0; v < smooth.size(); ++v) {
-    const double thickness = probe.thickness(v);
-    if (thickness > 0.5 * high_) smooth(v) = std::max(smooth(v), low_ + 0.1 * (thickness - low_));
-    smooth(v) = std::min(smooth(v), thickness) - low_;
-  }
-  return smooth;
+  Values keep(thickness.size());
+  for (Eigen::Index v = 0; v < keep.size(); ++v)
+    keep(v) = removed[v] ? std::min(thickness(v) - margin, -1e-9 * margin)
+                         : std::max(thickness(v) - margin, 1e-9 * margin);
+  return keep;
 }
 
-Values Slicer::measure(const Points& points) const {
-  Values thickness(points.rows());
-  parallel_for(
-      ctx_.pool, static_cast<std::size_t>(points.rows()), 256,
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) {
-          const auto row = static_cast<Eigen::Index>(v);
-          thickness(row) =
-              material_.nearest(points.row(row).transpose(), kSearchFactor * d_max_).distance;
-        }
-      });
-  return thickness;
+Measured Slicer::measure(const Points& points) const {
+  Measured result;
+  result.thickness.resize(points.rows());
+  result.below.resize(static_cast<std::size_t>(points.rows()));
+  result.on_rim.resize(result.below.size());
+  const double far = kSearchFactor * d_max_;
+  parallel_for(ctx_.pool, result.below.size(), 256, [&](std::size_t begin, std::size_t end) {
+    double bound = far;
+    for (std::size_t v = begin; v < end; ++v) {
+      const auto row = static_cast<Eigen::Index>(v);
+      // The distance changes by at most the way from the vertex before, which is often near.
+      if (v > begin)
+        bound = std::min(
+            far, (result.thickness(row - 1) + (points.row(row) - points.row(row - 1)).norm()) *
+                         (1 + 1e-9) +
+                     1e-9 * d_max_);
+      const auto nearest = material_.nearest(points.row(row).transpose(), bound);
+      result.thickness(row) = nearest.distance;
+      result.below[v] = nearest.id;
+      result.on_rim[v] = nearest.on_rim;
+    }
+  });
+  return result;
+}
+
+// Splits edges whose midpoint is outside [low, high] although its ends do not suggest it: above the
+// edge of a partial layer the thickness has a valley, and between two carriers a ridge, that may
+// lie between the vertices.
+void Slicer::refine_extremes(Isosurface& surface, Measured& distance, double low,
+                             double high) const {
+  const double noticeable = 0.2 * (low_ - d_min_), near = kNear * (d_max_ - d_min_);
+  for (int round = 0; round < kRefinements; ++round) {
+    const SurfaceEdges edges(surface.surface.triangles, static_cast<Index>(distance.below.size()));
+    const Points& points = surface.surface.vertices;
+    std::vector<Index> suspects;
+    for (Index e = 0; e < static_cast<Index>(edges.ends.rows()); ++e) {
+      const Index a = edges.ends(e, 0), b = edges.ends(e, 1);
+      const auto [least, most] = std::minmax(distance.thickness(a), distance.thickness(b));
+      const bool smooth =
+          distance.below[a] == distance.below[b] && !distance.on_rim[a] && !distance.on_rim[b];
+      if (smooth && least > low + near && most < high - near) continue;
+      // The distance changes by at most the way: elsewhere the midpoint cannot be outside.
+      const double mean = 0.5 * (distance.thickness(a) + distance.thickness(b));
+      const double half = 0.5 * (points.row(a) - points.row(b)).norm();
+      const bool inside = most <= high;
+      if ((most >= low && mean - half < low) || (inside && mean + half > high))
+        suspects.push_back(e);
+    }
+    Points middles(static_cast<Eigen::Index>(suspects.size()), 3);
+    for (std::size_t k = 0; k < suspects.size(); ++k)
+      middles.row(static_cast<Eigen::Index>(k)) =
+          0.5 * (points.row(edges.ends(suspects[k], 0)) + points.row(edges.ends(suspects[k], 1)));
+    const Measured middle = measure(middles);
+    std::vector<char> marked(static_cast<std::size_t>(edges.ends.rows()), 0);
+    std::vector<double> added;
+    for (std::size_t k = 0; k < suspects.size(); ++k) {
+      const double at_middle = middle.thickness(static_cast<Eigen::Index>(k));
+      const double expected = 0.5 * (distance.thickness(edges.ends(suspects[k], 0)) +
+                                     distance.thickness(edges.ends(suspects[k], 1)));
+      const bool valley = at_middle < low && at_middle < expected - noticeable;
+      const bool ridge = at_middle > high && at_middle > expected + noticeable;
+      if (!valley && !ridge) continue;
+      marked[suspects[k]] = 1;
+      added.push_back(at_middle);
+      distance.below.push_back(middle.below[k]);
+      distance.on_rim.push_back(middle.on_rim[k]);
+    }
+    if (added.empty()) return;
+    const Eigen::Index before = distance.thickness.size();
+    distance.thickness.conservativeResize(before + static_cast<Eigen::Index>(added.size()));
+    for (std::size_t k = 0; k < added.size(); ++k)
+      distance.thickness(before + static_cast<Eigen::Index>(k)) = added[k];
+    surface = split_edges(surface, edges, marked);
+  }
+}
+
+// Brings a remeshed surface into the range where that takes away little: what is too thin, and
+// small pieces that nothing carries. By cutting as long as that helps, and then by whole triangles.
+void Slicer::trim(Isosurface& surface, Measured& distance) {
+  const double reserve = low_ - d_min_;
+  const double low = d_min_ + 0.25 * reserve, high = d_max_ - 0.25 * reserve;
+  for (int round = 0; round < kTrimRounds && distance.thickness.size() > 0; ++round) {
+    refine_extremes(surface, distance, low, high);
+    Values keep = Values::Constant(distance.thickness.size(), 1);
+    if (distance.thickness.minCoeff() < low)
+      keep = distance.thickness.array() - (low + 0.25 * reserve);
+    const bool carried = mark_uncarried(surface, distance.thickness, keep);
+    if (carried && keep.minCoeff() >= 0) break;
+    surface = cut_where_negative(surface, keep);
+    distance = measure(surface.surface.vertices);
+  }
+  remove_thin_triangles(surface, distance);
+}
+
+// Sets `keep` negative on connected pieces that are just beyond d_max, and lists them as dropped.
+// Others stay, to be reported as unsupported: without them the next layers would hang over even
+// more.
+// @return whether there was nothing to mark
+bool Slicer::mark_uncarried(const Isosurface& surface, const Values& thickness, Values& keep) {
+  const double high = d_max_ - 0.25 * (low_ - d_min_);
+  if (thickness.size() == 0 || thickness.maxCoeff() <= high) return true;
+  const Triangles& triangles = surface.surface.triangles;
+  std::vector<char> beyond(static_cast<std::size_t>(triangles.rows()), 0);
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    for (int i = 0; i < 3; ++i)
+      beyond[static_cast<std::size_t>(f)] |= thickness(triangles(f, i)) > high;
+  bool none = true;
+  std::vector<Index> used;  // vertices of the triangles beyond, as keep_triangles numbers them
+  std::vector<char> seen(static_cast<std::size_t>(thickness.size()), 0);
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
+    for (int i = 0; i < 3 && beyond[static_cast<std::size_t>(f)]; ++i)
+      if (const Index v = triangles(f, i); !seen[v]) {
+        seen[v] = 1;
+        used.push_back(v);
+      }
+  for (const SurfacePart& piece : split_components(keep_triangles(surface, beyond))) {
+    double farthest = 0;
+    for (const Index v : piece.vertices) farthest = std::max(farthest, thickness(used[v]));
+    double area = 0;
+    for (Eigen::Index f = 0; f < piece.surface.surface.triangles.rows(); ++f) {
+      const auto corners = piece.surface.surface.triangles.row(f);
+      int beyond_corners = 0;
+      for (int i = 0; i < 3; ++i)
+        beyond_corners += thickness(used[piece.vertices[corners(i)]]) > high;
+      area +=
+          beyond_corners / 6.0 * triangle_normal_2a(piece.surface.surface.vertices, corners).norm();
+    }
+    if (farthest > kRimFactor * d_max_) continue;
+    none = false;
+    for (const Index v : piece.vertices)
+      keep(used[v]) = std::min(keep(used[v]), high - thickness(used[v]));
+    stack_.dropped_area += area;
+    stack_.dropped_places.push_back(piece.surface.surface.vertices.colwise().mean().transpose());
+  }
+  return none;
+}
+
+// The last resort: takes away the triangles that are too thin at a corner, an edge's midpoint or
+// the centroid.
+void Slicer::remove_thin_triangles(Isosurface& surface, Measured& distance) const {
+  const Triangles& triangles = surface.surface.triangles;
+  const Points& points = surface.surface.vertices;
+  std::vector<Index> suspects;
+  std::vector<char> keep(static_cast<std::size_t>(triangles.rows()), 1);
+  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+    bool smooth = true;
+    for (int i = 0; i < 3; ++i) {
+      const Index v = triangles(f, i);
+      if (distance.thickness(v) < d_min_) keep[static_cast<std::size_t>(f)] = 0;
+      smooth = smooth && distance.thickness(v) > d_min_ + kNear * (d_max_ - d_min_);
+      smooth =
+          smooth && !distance.on_rim[v] && distance.below[v] == distance.below[triangles(f, 0)];
+    }
+    if (smooth) continue;
+    double mean = 0, longest = 0;
+    for (int i = 0; i < 3; ++i) {
+      mean += distance.thickness(triangles(f, i)) / 3;
+      longest = std::max(
+          longest, (points.row(triangles(f, i)) - points.row(triangles(f, (i + 1) % 3))).norm());
+    }
+    // No point of a triangle is farther from its corners, on average, than 0.67 of its longest
+    // edge.
+    if (mean - 0.67 * longest < d_min_) suspects.push_back(static_cast<Index>(f));
+  }
+  Points samples(static_cast<Eigen::Index>(4 * suspects.size()), 3);
+  for (std::size_t k = 0; k < suspects.size(); ++k) {
+    const auto corners = triangles.row(suspects[k]);
+    const auto row = static_cast<Eigen::Index>(4 * k);
+    for (int i = 0; i < 3; ++i)
+      samples.row(row + i) = 0.5 * (points.row(corners(i)) + points.row(corners((i + 1) % 3)));
+    samples.row(row + 3) =
+        (points.row(corners(0)) + points.row(corners(1)) + points.row(corners(2))) / 3;
+  }
+  const Measured sampled = measure(samples);
+  for (std::size_t k = 0; k < suspects.size(); ++k)
+    if (sampled.thickness.segment<4>(static_cast<Eigen::Index>(4 * k)).minCoeff() < d_min_)
+      keep[suspects[k]] = 0;
+  if (std::count(keep.begin(), keep.end(), 0) == 0) return;
+  surface = keep_triangles(surface, keep);
+  distance = measure(surface.surface.vertices);
 }
 
 // Remeshes a surface and adds its components to the stack and to the material.
-void Slicer::print(const Isosurface& kept, double iso, bool partial) {
-  Isosurface even = remesh(kept, target_);
+void Slicer::print(const Isosurface& kept, double iso, bool partial, bool bounded) {
+  Isosurface whole = remesh(kept, target_);
+  Measured distance = measure(whole.surface.vertices);
+  if (bounded) trim(whole, distance);
   std::vector<Layer> printed;
-  for (Isosurface& part : split_components(even)) {
+  for (SurfacePart& part : split_components(whole)) {
     Layer layer;
-    layer.thickness = measure(part.surface.vertices);
-    layer.surface = std::move(part.surface);
-    layer.normal = std::move(part.normal);
-    layer.source_tet = std::move(part.source_tet);
+    layer.surface = std::move(part.surface.surface);
+    layer.normal = std::move(part.surface.normal);
+    layer.source_tet = std::move(part.surface.source_tet);
     layer.iso_value = iso;
     layer.layer = stack_.isosurfaces;
     layer.partial = partial;
+    layer.thickness.resize(static_cast<Eigen::Index>(part.vertices.size()));
+    for (std::size_t v = 0; v < part.vertices.size(); ++v) {
+      const double thickness = distance.thickness(part.vertices[v]);
+      layer.thickness(static_cast<Eigen::Index>(v)) = thickness;
+      const Index below = distance.below[part.vertices[v]];
+      if (below != PrintedMaterial::kPlate && thickness <= d_max_) layer.rests_on.push_back(below);
+    }
+    std::sort(layer.rests_on.begin(), layer.rests_on.end());
+    layer.rests_on.erase(std::unique(layer.rests_on.begin(), layer.rests_on.end()),
+                         layer.rests_on.end());
     // A scrap that a later layer can cover is left to it.
     if (partial && surface_area(layer.surface) < bead_area_ &&
         layer.thickness.maxCoeff() <= 0.5 * high_)
@@ -293,6 +532,92 @@ void Slicer::print(const Isosurface& kept, double iso, bool partial) {
   ++stack_.isosurfaces;
 }
 
+// Takes out components too small for a bead that carry nothing: tips, and scraps between others.
+void Slicer::drop_slivers() {
+  std::vector<char> carries(stack_.layers.size(), 0), dropped(stack_.layers.size(), 0);
+  for (std::size_t k = stack_.layers.size(); k-- > 0;) {
+    const Layer& layer = stack_.layers[k];
+    const double area = surface_area(layer.surface);
+    if (!carries[k] && area < bead_area_) {
+      dropped[k] = 1;
+      stack_.dropped_area += area;
+      stack_.dropped_places.push_back(layer.surface.vertices.colwise().mean().transpose());
+      continue;
+    }
+    for (const Index below : layer.rests_on) carries[below] = 1;
+  }
+  std::reverse(stack_.dropped_places.begin(), stack_.dropped_places.end());
+  std::vector<Index> position(stack_.layers.size(), -1);
+  std::vector<Layer> kept;
+  Index last = -1;
+  stack_.isosurfaces = 0;
+  for (std::size_t k = 0; k < stack_.layers.size(); ++k) {
+    if (dropped[k]) continue;
+    Layer& layer = stack_.layers[k];
+    position[k] = static_cast<Index>(kept.size());
+    for (Index& below : layer.rests_on) below = position[below];
+    if (layer.layer != last) {
+      last = layer.layer;
+      ++stack_.isosurfaces;
+    }
+    layer.layer = stack_.isosurfaces - 1;
+    kept.push_back(std::move(layer));
+  }
+  stack_.layers = std::move(kept);
+}
+
+// Lists the pieces of layers that lie farther than d_max from everything printed before them.
+void Slicer::report_unsupported() {
+  for (const Layer& layer : stack_.layers) {
+    std::vector<char> in_air(static_cast<std::size_t>(layer.surface.triangles.rows()), 0);
+    bool any = false;
+    for (Eigen::Index f = 0; f < layer.surface.triangles.rows(); ++f) {
+      const auto corners = layer.surface.triangles.row(f);
+      const double mean = (layer.thickness(corners(0)) + layer.thickness(corners(1)) +
+                           layer.thickness(corners(2))) /
+                          3;
+      any |= in_air[static_cast<std::size_t>(f)] = mean > d_max_;
+    }
+    if (!any) continue;
+    Isosurface whole;
+    whole.surface = layer.surface;
+    whole.normal = layer.normal;
+    whole.source_tet = layer.source_tet;
+    for (const SurfacePart& part : split_components(keep_triangles(whole, in_air))) {
+      stack_.unsupported_area += surface_area(part.surface.surface);
+      stack_.unsupported_places.push_back(
+          part.surface.surface.vertices.colwise().mean().transpose());
+    }
+  }
+  const auto square_mm = [](double area) {
+    return std::to_string(std::round(100 * area) / 100)
+               .substr(0, std::to_string(std::round(100 * area) / 100).find('.') + 3) +
+           " mm²";
+  };
+  if (!stack_.unsupported_places.empty())
+    ctx_.warn("layers.unsupported",
+              square_mm(stack_.unsupported_area) + " of layer area in " +
+                  std::to_string(stack_.unsupported_places.size()) + " places lie more than " +
+                  mm(d_max_) + " from anything printed before; they start in the air.",
+              stack_.unsupported_places);
+  if (!stack_.dropped_places.empty())
+    ctx_.warn("layers.dropped",
+              std::to_string(stack_.dropped_places.size()) +
+                  " pieces too small for a bead, together " + square_mm(stack_.dropped_area) +
+                  ", are not printed.",
+              stack_.dropped_places);
+}
+
+void Slicer::finish() {
+  drop_slivers();
+  if (stack_.layers.empty())
+    throw Error(ErrorKind::slicing, Stage::layers, "layers.empty",
+                "The part has no layer: it is lower than the thinnest layer of " + mm(d_min_) + ".",
+                "Check the unit of the model, or use a finer nozzle.");
+  report_unsupported();
+  ctx_.progress(Stage::layers, 1);
+}
+
 LayerStack Slicer::adaptive() {
   const double bottom = std::max(extractor_.min_value(), 0.0);
   std::vector<double> slopes = slope_;
@@ -303,15 +628,15 @@ LayerStack Slicer::adaptive() {
   const double top = extractor_.max_value() - 1e-3 * last_step_;
   while (last_iso_ < top) {
     ctx_.progress(Stage::layers, std::min((last_iso_ - bottom) / (top - bottom), 1.0));
-    const Probe next = next_surface(top);
-    const Values keep = keep_value(next);
+    Probe next = next_surface(top);
+    refine_extremes(next.surface, next.distance, low_, std::numeric_limits<double>::infinity());
+    const Values keep = keep_value(next.surface, next.distance.thickness);
     const bool partial = keep.size() > 0 && keep.minCoeff() < 0;
-    if (keep.size() > 0)
-      print(partial ? cut_where_negative(next.surface, keep) : next.surface, next.iso, partial);
+    print(partial ? cut_where_negative(next.surface, keep) : next.surface, next.iso, partial, true);
     last_step_ = next.iso - last_iso_;
     last_iso_ = next.iso;
   }
-  ctx_.progress(Stage::layers, 1);
+  finish();
   return std::move(stack_);
 }
 
@@ -320,8 +645,9 @@ LayerStack Slicer::even(double step) {
   const double count = std::floor(height / step * (1 + 1e-9));
   for (double i = 1; i <= count; ++i) {
     ctx_.progress(Stage::layers, i / count);
-    print(extractor_.extract(bottom + i * step), bottom + i * step, false);
+    print(extractor_.extract(bottom + i * step), bottom + i * step, false, false);
   }
+  finish();
   return std::move(stack_);
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "layers/layer_parts.h"
+
 namespace s3 {
 namespace {
 
@@ -27,17 +29,38 @@ double quantile(const std::vector<Sample>& sorted, double total, double share) {
 }  // namespace
 
 void PrintedMaterial::add(const TriMesh& surface, Index id) {
-  parts_.push_back({AabbTree(surface), bounding_box(surface.vertices), id});
+  const SurfaceEdges edges(surface.triangles, static_cast<Index>(surface.vertices.rows()));
+  std::vector<char> uses(static_cast<std::size_t>(edges.ends.rows()), 0);
+  for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f)
+    for (int i = 0; i < 3; ++i) ++uses[edges.of_triangle(f, i)];
+  std::vector<char> on_rim(static_cast<std::size_t>(surface.vertices.rows()), 0);
+  for (std::size_t e = 0; e < uses.size(); ++e)
+    if (uses[e] == 1)
+      for (int i = 0; i < 2; ++i) on_rim[edges.ends(static_cast<Eigen::Index>(e), i)] = 1;
+  parts_.push_back({AabbTree(surface), bounding_box(surface.vertices), id, surface.triangles,
+                    std::move(on_rim)});
 }
 
 PrintedMaterial::Nearest PrintedMaterial::nearest(const Vec3& p, double bound) const {
-  Nearest best{std::min(bound, std::max(p.z(), 0.0)), kPlate};
+  Nearest best{std::min(bound, std::max(p.z(), 0.0)), kPlate, false};
+  Closest closest;
+  const Part* at = nullptr;
   // The newest first: it is usually the nearest, and its distance rules out all others by their
   // boxes.
   for (auto part = parts_.rbegin(); part != parts_.rend(); ++part) {
     if (box_distance(part->box, p) >= best.distance) continue;
     const Closest hit = part->tree.closest(p, best.distance);
-    if (hit.triangle >= 0 && hit.distance < best.distance) best = {hit.distance, part->id};
+    if (hit.triangle < 0 || hit.distance >= best.distance) continue;
+    best.distance = hit.distance;
+    best.id = part->id;
+    closest = hit;
+    at = &*part;
+  }
+  if (at) {
+    best.on_rim = true;
+    for (int i = 0; i < 3; ++i)
+      if (closest.barycentric(i) > 0 && !at->on_rim[at->triangles(closest.triangle, i)])
+        best.on_rim = false;
   }
   return best;
 }

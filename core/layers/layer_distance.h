@@ -19,6 +19,7 @@ class PrintedMaterial {
   struct Nearest {
     double distance = 0;  // mm
     Index id = kPlate;    // as given to add()
+    bool on_rim = false;  // the nearest point lies on the boundary of its surface
   };
 
   void add(const TriMesh& surface, Index id);
@@ -31,6 +32,8 @@ class PrintedMaterial {
     AabbTree tree;
     Box box;
     Index id;
+    Triangles triangles;
+    std::vector<char> on_rim;  // #V
   };
   std::vector<Part> parts_;
 };
