@@ -170,11 +170,17 @@ void Pipeline::evaluate(Context& ctx) {
   evaluate_print(a, a.curved, params_, machine_, curved, ctx);
 
   const auto start = Clock::now();
+  const std::size_t own_warnings = ctx.warnings.size();
   a.planar = print_planar(ctx);
   const ScalarField height = make_scalar_field(a.rest, a.rest.vertices.col(2));
   Evaluation planar = evaluate_field(a, height, a.rest.vertices, params_, machine_, ctx);
   evaluate_print(a, a.planar, params_, machine_, planar, ctx);
   planar_seconds_ = seconds_since(start);
+  // What is wrong with the baseline must not pass for a fault of the curved layers.
+  for (std::size_t i = own_warnings; i < ctx.warnings.size(); ++i) {
+    ctx.warnings[i].code.insert(0, "planar.");
+    ctx.warnings[i].message.insert(0, "Planar baseline: ");
+  }
 
   a.curved_metrics = curved.metrics;
   a.planar_metrics = planar.metrics;

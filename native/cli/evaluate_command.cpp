@@ -93,6 +93,7 @@ double printed_length(const Waypoints& waypoints) {
 void print_figures(const fs::path& folder, const Artifacts& artifacts, const Params& params,
                    const MachineProfile& machine, Metrics& metrics, Context& ctx) {
   const LayerStack layers = read_layers(folder / "layers");
+  if (layers.layers.empty()) return;
   layer_metrics(layers, params.layers.min_thickness, params.layers.max_thickness, metrics, ctx);
   const Waypoints waypoints = read_waypoints(folder / "waypoints.csv");
   if (waypoints.size() == 0) return;
