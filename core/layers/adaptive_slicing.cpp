@@ -343,12 +343,14 @@ Measured Slicer::measure(const Points& points) const {
 void Slicer::refine_extremes(Isosurface& surface, Measured& distance, double low,
                              double high) const {
   const double noticeable = 0.2 * (low_ - d_min_), near = kNear * (d_max_ - d_min_);
+  Index first_new = 0;  // later rounds look at edges of new vertices only
   for (int round = 0; round < kRefinements; ++round) {
     const SurfaceEdges edges(surface.surface.triangles, static_cast<Index>(distance.below.size()));
     const Points& points = surface.surface.vertices;
     std::vector<Index> suspects;
     for (Index e = 0; e < static_cast<Index>(edges.ends.rows()); ++e) {
       const Index a = edges.ends(e, 0), b = edges.ends(e, 1);
+      if (std::max(a, b) < first_new) continue;
       const auto [least, most] = std::minmax(distance.thickness(a), distance.thickness(b));
       const bool smooth =
           distance.below[a] == distance.below[b] && !distance.on_rim[a] && !distance.on_rim[b];
@@ -381,6 +383,7 @@ void Slicer::refine_extremes(Isosurface& surface, Measured& distance, double low
     }
     if (added.empty()) return;
     const Eigen::Index before = distance.thickness.size();
+    first_new = static_cast<Index>(before);
     distance.thickness.conservativeResize(before + static_cast<Eigen::Index>(added.size()));
     for (std::size_t k = 0; k < added.size(); ++k)
       distance.thickness(before + static_cast<Eigen::Index>(k)) = added[k];
@@ -602,9 +605,9 @@ void Slicer::report_unsupported() {
               stack_.unsupported_places);
   if (!stack_.dropped_places.empty())
     ctx_.warn("layers.dropped",
-              std::to_string(stack_.dropped_places.size()) +
-                  " pieces too small for a bead, together " + square_mm(stack_.dropped_area) +
-                  ", are not printed.",
+              std::to_string(stack_.dropped_places.size()) + " pieces, together " +
+                  square_mm(stack_.dropped_area) +
+                  ", are not printed: too small for a bead, or a rim just out of reach.",
               stack_.dropped_places);
 }
 

@@ -28,7 +28,7 @@ struct LayerStack {
 
   double unsupported_area = 0;  // mm² of layers farther than d_max from anything printed before
   std::vector<Vec3> unsupported_places;  // one for each connected piece of it
-  double dropped_area = 0;           // mm² of pieces too small for a bead, which are not printed
+  double dropped_area = 0;  // mm² not printed: too small for a bead, or rims just beyond d_max
   std::vector<Vec3> dropped_places;  // one for each piece
 };
 
