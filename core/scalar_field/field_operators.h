@@ -38,6 +38,9 @@ class FieldOperators {
   /// The pair across local face f, −1 on the boundary.
   Index pair_across(Index t, int f) const { return pair_across_(t, f); }
 
+  /// Some tet uses this vertex.
+  bool in_use(Index v) const { return corner_begin_[v + 1] > corner_begin_[v]; }
+
   /// Calls visit(t) for the tets of a vertex, ascending.
   template <class Visit>
   void for_each_tet_around(Index v, Visit&& visit) const {

@@ -39,10 +39,16 @@ VertexGraph vertex_graph(const TetMesh& rest) {
   return graph;
 }
 
+Vec3 centroid(const TetMesh& rest, const std::vector<Index>& vertices) {
+  Vec3 sum = Vec3::Zero();
+  for (const Index v : vertices) sum += rest.vertices.row(v).transpose();
+  return sum / static_cast<double>(vertices.size());
+}
+
 }  // namespace
 
-std::vector<FieldMinimum> find_minima(const TetMesh& rest, const ObjectiveField& objectives,
-                                      const Values& value) {
+std::vector<Island> find_islands(const TetMesh& rest, const ObjectiveField& objectives,
+                                 const Values& value) {
   const Index n = rest.vertex_count();
   Values vertex_volume = Values::Zero(n);  // a quarter of the tets around each vertex
   for (Index t = 0; t < rest.tet_count(); ++t)
@@ -63,7 +69,7 @@ std::vector<FieldMinimum> find_minima(const TetMesh& rest, const ObjectiveField&
     return v;
   };
   std::vector<Part> part(static_cast<std::size_t>(n));  // of each root
-  std::vector<FieldMinimum> minima;
+  std::vector<Island> islands;
   // Joins the part at root b to that at root a; returns the root that stays.
   const auto join = [&](Index a, Index b, double level) {
     if (part[b].supported > part[a].supported ||
@@ -73,8 +79,7 @@ std::vector<FieldMinimum> find_minima(const TetMesh& rest, const ObjectiveField&
     // island until now.
     if (!part[b].supported) {
       if (level - part[b].begin > flat) {
-        std::sort(part[b].minimum.begin(), part[b].minimum.end());
-        minima.push_back({part[b].minimum, part[b].volume});
+        islands.push_back({centroid(rest, part[b].minimum), part[b].volume});
       } else if (level - part[a].begin <= flat) {
         part[a].minimum.insert(part[a].minimum.end(), part[b].minimum.begin(),
                                part[b].minimum.end());
@@ -97,22 +102,45 @@ std::vector<FieldMinimum> find_minima(const TetMesh& rest, const ObjectiveField&
     }
   }
   for (const Index v : order)  // components that never meet the plate
-    if (parent[v] == v && !part[v].supported) {
-      std::sort(part[v].minimum.begin(), part[v].minimum.end());
-      minima.push_back({part[v].minimum, part[v].volume});
-    }
-  return minima;
+    if (parent[v] == v && !part[v].supported)
+      islands.push_back({centroid(rest, part[v].minimum), part[v].volume});
+  return islands;
 }
 
-std::vector<Island> find_islands(const TetMesh& rest, const ObjectiveField& objectives,
-                                 const Values& value) {
-  std::vector<Island> islands;
-  for (const FieldMinimum& minimum : find_minima(rest, objectives, value)) {
-    Vec3 sum = Vec3::Zero();
-    for (const Index v : minimum.vertices) sum += rest.vertices.row(v).transpose();
-    islands.push_back({sum / static_cast<double>(minimum.vertices.size()), minimum.volume});
+std::vector<std::vector<Index>> find_minima(const TetMesh& rest, const FieldOperators& operators,
+                                            const ObjectiveField& objectives, const Values& value) {
+  const double flat = kFlat * (value.maxCoeff() - value.minCoeff());
+  // Vertices with something below them, or on the plate.
+  std::vector<char> held(objectives.vertex_on_plate);
+  for (Index t = 0; t < rest.tet_count(); ++t) {
+    double lowest = value(rest.tets(t, 0));
+    for (int i = 1; i < 4; ++i) lowest = std::min(lowest, value(rest.tets(t, i)));
+    for (int i = 0; i < 4; ++i)
+      if (value(rest.tets(t, i)) > lowest + flat) held[rest.tets(t, i)] = 1;
   }
-  return islands;
+  std::vector<std::vector<Index>> minima;
+  std::vector<char> seen(held.size(), 0);
+  for (Index v = 0; v < rest.vertex_count(); ++v) {
+    if (held[v] || seen[v] || !operators.in_use(v)) continue;
+    // The flat place that v belongs to; it is held where one of its vertices is.
+    std::vector<Index> place = {v};
+    seen[v] = 1;
+    bool supported = false;
+    for (std::size_t k = 0; k < place.size(); ++k)
+      operators.for_each_tet_around(place[k], [&](Index t) {
+        for (int i = 0; i < 4; ++i) {
+          const Index u = rest.tets(t, i);
+          if (value(u) > value(place[k]) + flat) continue;
+          supported = supported || held[u];
+          if (!seen[u] && !held[u]) place.push_back(u);
+          seen[u] = seen[u] || !held[u];
+        }
+      });
+    if (supported) continue;
+    std::sort(place.begin(), place.end());
+    minima.push_back(std::move(place));
+  }
+  return minima;
 }
 
 }  // namespace s3

@@ -5,6 +5,7 @@
 #include "base/types.h"
 #include "mesh/tet_mesh.h"
 #include "objectives/objectives.h"
+#include "scalar_field/field_operators.h"
 
 namespace s3 {
 
@@ -14,21 +15,16 @@ struct Island {
   double volume = 0;          // mm³ printed before it merges with supported material
 };
 
-/// The vertices where G has a local minimum away from the plate, one list for each connected flat
-/// minimum.
-struct FieldMinimum {
-  std::vector<Index> vertices;  // ascending
-  double volume = 0;            // as in Island
-};
-
 /// Fills the solid in increasing G, as the printer does, and follows what is connected. A component
 /// that begins without a vertex on the plate is an island until it joins an older or supported one.
-/// O(#T log #V).
+/// O(#T + #V log #V).
 /// @param value  #V
-std::vector<FieldMinimum> find_minima(const TetMesh& rest, const ObjectiveField& objectives,
-                                      const Values& value);
-
 std::vector<Island> find_islands(const TetMesh& rest, const ObjectiveField& objectives,
                                  const Values& value);
+
+/// The vertices of the islands alone, one ascending list for each flat minimum: cheap enough for
+/// every few iterations.
+std::vector<std::vector<Index>> find_minima(const TetMesh& rest, const FieldOperators& operators,
+                                            const ObjectiveField& objectives, const Values& value);
 
 }  // namespace s3

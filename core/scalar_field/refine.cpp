@@ -17,30 +17,40 @@ namespace s3 {
 
 namespace {
 
+constexpr int kIterations = 60;
+
 // Weights, for each mm³ of the solid; only their ratios matter.
-constexpr double kHard = 10;  // on tets with a surface or stress objective: the unit of the others
+constexpr double kHard = 15;  // on tets with a surface or stress objective: the unit of the others
 constexpr double kRange = 2;  // the same constraints on all other tets, which have only to follow
-constexpr double kConcavity = 30;    // on faces; 10 leaves some valleys
+constexpr double kConcavity = 60;    // on faces; 30 leaves some valleys
 constexpr double kSmoothness = 0.2;  // squared jump of ∇G; much more keeps overhangs from turning
 constexpr double kProximity = 0.01;  // to the start: decides only what nothing else does
-constexpr double kQuality = 60;      // soft, SQ: above the smoothness and clamps that resist it
-constexpr double kStrength = 20;     // soft, SR: more costs support and makes islands
+constexpr double kQuality = 60;      // soft, SQ, where it is the first of the objectives
+constexpr double kStrength = 50;     // soft, SR, likewise
+
+// A soft objective pulls no harder than from this far away, as a share of the usual ‖∇G‖: places
+// that cannot comply give up instead of holding back those that can. Worth 2 points of SQ area on
+// the ankle.
+constexpr double kQualityReach = 0.12;
+constexpr double kStrengthReach = 0.3;
 
 // Constraints aim this far inside their border: solutions come to lie around it.
 constexpr double kAlphaMargin = radians(2);
 constexpr double kTiltMargin = radians(1);
 // Valleys over 20° make poor surfaces; the clamp acts before.
-constexpr double kConcaveAngle = radians(16);
+constexpr double kPoorConcaveAngle = radians(20);
+constexpr double kClampedAngle = radians(16);
+
 // Duals forget: constraints in conflict would grow without bound.
 constexpr double kLeak = 0.95;
+constexpr double kJumpLeak = 0.98;
 // Of each solve; the next iteration corrects what it leaves.
 constexpr double kTolerance = 0.1;
 constexpr int kCheckEvery = 5;  // iterations
 
 // Shares that weigh as much as the whole surface in choosing the best iterate.
-constexpr double kConcaveCost = 10;    // of concave pairs and of inverted tets
-constexpr double kIslandCost = 0.002;  // each
-constexpr double kPoorConcaveAngle = radians(20);
+constexpr double kConcaveCost = 50;              // of concave pairs and of inverted tets
+constexpr double kIslandCost = 0.002;            // each
 constexpr double kConformalAngle = radians(10);  // a surface this close to its layer looks smooth
 
 constexpr std::size_t kGrain = 4096;
@@ -83,24 +93,23 @@ class Refinement {
   void project_tets();
   Vec3 tet_force(Index t);
   void solve();
-  void support_minima(const std::vector<FieldMinimum>& minima);
+  void support_minima(const std::vector<std::vector<Index>>& minima);
   void support_vertex_above(Index from, Index to);
-  double score(Index islands) const;
+  double score(Index islands, const Values& omega) const;
 
   const TetMesh& rest_;
   const FieldOperators& op_;
   const Anchors& anchors_;
   const ObjectiveField& objectives_;
   const ObjectiveParams& params_;
-  const int iterations_;
   const double cos_tilt_;
   Context& ctx_;
 
   Values value_;
   Points start_gradient_, gradient_, dual_, force_;
-  double shortest_ = 0, longest_ = 0;  // bounds of ‖∇G‖
-  FeasibleRegion machine_;             // the cone alone
-  std::vector<Index> constraint_of_;   // #T, −1 for none
+  double usual_ = 0, shortest_ = 0, longest_ = 0;  // ‖∇G‖: median and bounds
+  FeasibleRegion machine_;                         // the cone alone
+  std::vector<Index> constraint_of_;               // #T, −1 for none
   std::vector<TetConstraint> constraints_;
   Values hard_weight_;             // #T, times volume
   Values jump_dual_, jump_force_;  // #N
@@ -117,7 +126,6 @@ Refinement::Refinement(const TetMesh& rest, const FieldOperators& op, const Anch
       anchors_(anchors),
       objectives_(objectives),
       params_(objective_params),
-      iterations_(params.iterations),
       cos_tilt_(std::cos(params.max_tilt - kTiltMargin)),
       ctx_(ctx),
       value_(start),
@@ -128,17 +136,18 @@ Refinement::Refinement(const TetMesh& rest, const FieldOperators& op, const Anch
       right_(anchors.free_count, 1),
       change_(anchors.free_count, 1) {
   op_.gradients(value_, start_gradient_, ctx_);
-  const double usual = median_length(start_gradient_);
-  shortest_ = usual / std::sqrt(params.thickness_ratio);
-  longest_ = usual * std::sqrt(params.thickness_ratio);
+  usual_ = median_length(start_gradient_);
+  shortest_ = usual_ / std::sqrt(params.thickness_ratio);
+  longest_ = usual_ * std::sqrt(params.thickness_ratio);
   machine_.cos_tilt = cos_tilt_;
   make_constraints(objective_params);
   prepare_solver();
 }
 
 void Refinement::make_constraints(const ObjectiveParams& params) {
-  RegionBounds hard = region_bounds(params, kAlphaMargin);
+  const RegionBounds hard = region_bounds(params, kAlphaMargin);
   const RegionBounds soft = region_bounds(params);
+  const double first = std::max({params.support_free, params.surface_quality, params.strength});
   constraint_of_.assign(static_cast<std::size_t>(rest_.tet_count()), -1);
   hard_weight_.resize(rest_.tet_count());
   for (Index t = 0; t < rest_.tet_count(); ++t) {
@@ -155,8 +164,9 @@ void Refinement::make_constraints(const ObjectiveParams& params) {
     }
     const bool quality = std::any_of(c.soft.faces.begin(), c.soft.faces.begin() + c.soft.face_count,
                                      [](const auto& face) { return face.quality; });
-    if (quality) c.soft_weight = kQuality;
-    if (c.soft.critical) c.soft_weight = std::max(c.soft_weight, kStrength);
+    if (quality) c.soft_weight = kQuality * params.surface_quality / first;
+    if (c.soft.critical)
+      c.soft_weight = std::max(c.soft_weight, kStrength * params.strength / first);
     hard_weight_(t) = kHard * op_.volume(t);
     constraint_of_[t] = static_cast<Index>(constraints_.size());
     constraints_.push_back(c);
@@ -178,28 +188,29 @@ void Refinement::prepare_solver() {
 Values Refinement::run() {
   Values best = value_;
   double best_score = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration <= iterations_; ++iteration) {
+  for (int iteration = 0; iteration <= kIterations; ++iteration) {
     op_.gradients(value_, gradient_, ctx_);
     if (iteration % kCheckEvery == 0 && iteration > 0) {
-      const std::vector<FieldMinimum> minima = find_minima(rest_, objectives_, value_);
+      const auto minima = find_minima(rest_, op_, objectives_, value_);
       support_minima(minima);
-      const double now = score(static_cast<Index>(minima.size()));
-      if (2 * iteration >= iterations_ && now < best_score) {
+      const Values omega = concave_angles(rest_, gradient_.rowwise().normalized());
+      const double now = score(static_cast<Index>(minima.size()), omega);
+      if (2 * iteration >= kIterations && now < best_score) {
         best_score = now;
         best = value_;
       }
     }
-    if (iteration == iterations_) break;
+    if (iteration == kIterations) break;
     clamp_jumps();
     project_tets();
     solve();
-    ctx_.progress(Stage::scalar_field, (iteration + 1.0) / iterations_);
+    ctx_.progress(Stage::scalar_field, (iteration + 1.0) / kIterations);
   }
   return best;
 }
 
 void Refinement::clamp_jumps() {
-  const double tan_angle = std::tan(kConcaveAngle);
+  const double tan_angle = std::tan(kClampedAngle);
   parallel_for(
       ctx_.pool, static_cast<std::size_t>(rest_.face_pairs.rows()), kGrain,
       [&](std::size_t begin, std::size_t end) {
@@ -213,7 +224,7 @@ void Refinement::clamp_jumps() {
           const double wanted = jump + jump_dual_(p);
           // Valleys are negative jumps.
           const double kept = std::max(wanted, -jump_limit(across, 0.5 * (a + b), tan_angle));
-          jump_dual_(p) = kLeak * (wanted - kept);
+          jump_dual_(p) = kJumpLeak * (wanted - kept);
           jump_force_(p) = op_.face_weight(p) *
                            (kConcavity * (kept - jump_dual_(p) - jump) - kSmoothness * jump);
         }
@@ -245,8 +256,11 @@ Vec3 Refinement::tet_force(Index t) {
     const double size = g.norm();
     const Vec3 target =
         project_to_region(c->soft, size > 0 ? Vec3(g / size) : build_direction()).direction;
-    force += c->soft_weight * op_.volume(t) *
-             (std::clamp(target.dot(g), shortest_, longest_) * target - g);
+    Vec3 pull = std::clamp(target.dot(g), shortest_, longest_) * target - g;
+    const double distance = pull.norm();
+    const double bound = (c->soft.critical ? kStrengthReach : kQualityReach) * usual_;
+    if (distance > bound) pull *= bound / distance;
+    force += c->soft_weight * op_.volume(t) * pull;
   }
   for (int f = 0; f < 4; ++f) {
     const Index p = op_.pair_across(t, f);
@@ -267,16 +281,16 @@ void Refinement::solve() {
 
 // An island has neighbours in the solid that could be printed before it: the layers shall rise from
 // the one that comes first, among those that the machine's tilt allows.
-void Refinement::support_minima(const std::vector<FieldMinimum>& minima) {
+void Refinement::support_minima(const std::vector<std::vector<Index>>& minima) {
   const double steepest = -std::sqrt(1 - cos_tilt_ * cos_tilt_) + kLeastRise;
-  for (const FieldMinimum& minimum : minima) {
+  for (const std::vector<Index>& minimum : minima) {
     double least = std::numeric_limits<double>::infinity();
     Index from = -1, to = -1;
-    for (const Index v : minimum.vertices)
+    for (const Index v : minimum)
       op_.for_each_tet_around(v, [&](Index t) {
         for (int i = 0; i < 4; ++i) {
           const Index u = rest_.tets(t, i);
-          if (std::binary_search(minimum.vertices.begin(), minimum.vertices.end(), u)) continue;
+          if (std::binary_search(minimum.begin(), minimum.end(), u)) continue;
           const Vec3 edge = rest_.vertices.row(v) - rest_.vertices.row(u);
           const double slope = (value_(u) - value_(v)) / edge.norm();
           if (edge.z() < steepest * edge.norm() || slope >= least) continue;
@@ -305,7 +319,7 @@ void Refinement::support_vertex_above(Index from, Index to) {
   });
 }
 
-double Refinement::score(Index islands) const {
+double Refinement::score(Index islands, const Values& omega) const {
   double area = 0, overhang = 0, rough = 0;
   const RegionBounds bounds = region_bounds(params_);
   for (Eigen::Index f = 0; f < objectives_.face_area.size(); ++f) {
@@ -327,8 +341,7 @@ double Refinement::score(Index islands) const {
     critical += 1;
     stray += std::abs(objectives_.tau_max.row(t).dot(g)) > bounds.sin_beta * g.norm();
   }
-  Directions direction = gradient_.rowwise().normalized();
-  const double concave = count_concave_over(concave_angles(rest_, direction), kPoorConcaveAngle);
+  const double concave = count_concave_over(omega, kPoorConcaveAngle);
   return bounds.support_free * overhang / area + bounds.surface_quality * rough / area +
          (critical > 0 ? bounds.strength * stray / critical : 0) +
          kConcaveCost * (concave + down) / rest_.tet_count() + kIslandCost * islands;

@@ -10,7 +10,6 @@
 namespace s3 {
 
 struct RefineParams {
-  int iterations = 60;
   double max_tilt = 1.5;         // rad, below π/2: ∇G stays within this angle of z
   double thickness_ratio = 2.5;  // r: ‖∇G‖ stays within [1/√r, √r] of its usual size
 };

@@ -118,6 +118,11 @@ TEST_CASE("the projection agrees with a search over the sphere for every mix of 
       region.critical = true;
       region.tau = random_direction(random);
     }
+    if (trial % 4 == 1) region.cos_tilt = std::cos(radians(60));
+    if (trial % 5 == 2) {
+      region.must_rise = true;
+      region.rise = random_direction(random);
+    }
     const Vec3 d = random_direction(random);
     const Projection p = project_to_region(region, d);
 

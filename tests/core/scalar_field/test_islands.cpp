@@ -1,5 +1,7 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "carved_mesh.h"
 #include "scalar_field/islands.h"
 
@@ -49,6 +51,33 @@ TEST_CASE("two prongs that meet in the air are two islands, the later one ends w
   CHECK(islands[0].volume < islands[1].volume);
   // left prong 2·2·6, right prong 2·2·4, bridge 10·2·4
   CHECK(islands[1].volume == doctest::Approx(24 + 16 + 80).epsilon(0.12));
+}
+
+TEST_CASE("the quick search finds the same islands as the sweep") {
+  Context ctx;
+  const TetMesh fork = test::make_carved(14, 2, 14, Vec3(14, 2, 14), [](const Vec3& p) {
+    if (p.x() < 2 || p.z() > 12) return true;
+    return (p.x() > 4 && p.x() < 6 && p.z() > 2) || (p.x() > 8 && p.x() < 10 && p.z() > 5) ||
+           (p.x() > 12 && p.z() > 4);
+  });
+  const ObjectiveField objectives = make_objectives(fork, {}, nullptr);
+  const FieldOperators operators(fork, ctx);
+  for (const double slope : {0.0, 0.1, -0.4}) {
+    const Values height = fork.vertices.col(2) + slope * fork.vertices.col(0);
+    const auto minima = find_minima(fork, operators, objectives, height);
+    std::vector<Vec3> places;
+    for (const std::vector<Index>& minimum : minima) {
+      Vec3 sum = Vec3::Zero();
+      for (const Index v : minimum) sum += fork.vertices.row(v).transpose();
+      places.push_back(sum / static_cast<double>(minimum.size()));
+    }
+    const std::vector<Island> islands = find_islands(fork, objectives, height);
+    REQUIRE(islands.size() == places.size());
+    CHECK(islands.size() >= 3);
+    for (const Island& island : islands)
+      CHECK(std::any_of(places.begin(), places.end(),
+                        [&](const Vec3& p) { return (p - island.place).norm() < 1e-9; }));
+  }
 }
 
 TEST_CASE("noise below the tolerance does not split a flat underside") {
