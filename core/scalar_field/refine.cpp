@@ -126,7 +126,7 @@ Refinement::Refinement(const TetMesh& rest, const FieldOperators& op, const Anch
       anchors_(anchors),
       objectives_(objectives),
       params_(objective_params),
-      cos_tilt_(std::cos(params.max_tilt - kTiltMargin)),
+      cos_tilt_(std::cos(std::max(0.5 * params.max_tilt, params.max_tilt - kTiltMargin))),
       ctx_(ctx),
       value_(start),
       dual_(Points::Zero(rest.tet_count(), 3)),

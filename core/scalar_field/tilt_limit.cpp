@@ -64,7 +64,7 @@ Values repair_locally(const TetMesh& rest, const FieldOperators& operators, cons
       Vec3 aim = wanted.row(t);
       if (weighty[t]) {
         const Vec3 x = gradient.row(t) + dual.row(t);
-        const double inner = max_tilt - kRepairMargin;
+        const double inner = std::max(0.5 * max_tilt, max_tilt - kRepairMargin);
         const Vec3 z = tilted(x, std::tan(inner)) ? into_cone(x, inner, least) : x;
         dual.row(t) = x - z;
         aim = z - dual.row(t).transpose();
