@@ -1,12 +1,14 @@
 // s3picture: draws an output folder of s3slice into one PNG, several views side by side.
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <string_view>
 
 #include "base/error.h"
 #include "base/units.h"
@@ -15,6 +17,7 @@
 #include "mesh/read_vtu.h"
 #include "picture/rasterizer.h"
 #include "picture/scene.h"
+#include "scalar_field/scalar_field.h"
 
 namespace {
 
@@ -34,6 +37,10 @@ struct Arguments {
   int size = 900;
   PictureOptions options;
 };
+
+std::string_view text_of(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 std::vector<std::byte> read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -78,7 +85,7 @@ void draw(const Arguments& arguments) {
   if (arguments.show == "surface") {
     const VtuFile vtu =
         read_vtu(read_file(fs::path(arguments.outdir) / "fields.vtu"), "fields.vtu");
-    const TetMesh mesh = make_tet_mesh(vtu.points, vtu.tets);
+    const TetMesh mesh = make_tet_mesh(vtu.vertices, vtu.tets);
     const auto& values = vtu.point_data.at("G").values;
     const ScalarField field = make_scalar_field(
         mesh, Eigen::Map<const Values>(values.data(), static_cast<Eigen::Index>(values.size())));
@@ -88,7 +95,7 @@ void draw(const Arguments& arguments) {
     };
   } else if (arguments.show == "toolpaths") {
     Waypoints waypoints =
-        read_waypoint_csv(read_file(fs::path(arguments.outdir) / "waypoints.csv"), "waypoints.csv");
+        read_waypoint_csv(text_of(read_file(fs::path(arguments.outdir) / "waypoints.csv")));
     box = bounding_box(waypoints.position);
     scene = [waypoints, &arguments](Rasterizer& target) {
       draw_toolpaths(target, waypoints, arguments.options);
