@@ -16,9 +16,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A convex turn above this separates two sides of a medial axis; below, it is a facet of a smooth
 // curve.
 constexpr double kCornerTurn = 0.35;  // rad, 20°
-// How far a source may slide along the boundary in one evaluation: neighbours are at most a few
-// edges apart.
-constexpr int kMaxSlide = 64;
 
 struct EdgeHit {
   double squared = kInfinity;

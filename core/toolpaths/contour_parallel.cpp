@@ -4,7 +4,6 @@
 #include "toolpaths/contour_parallel.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -562,7 +561,6 @@ Toolpaths make_toolpaths(const LayerStack& stack, const ToolpathParams& params,
                 "Set toolpath.width or nozzle.diameter.");
   const std::size_t n = stack.layers.size();
   std::vector<PlannedLayer> planned(n);
-  std::atomic<std::size_t> done{0};
   // In blocks, so that progress and cancel are seen from the stage's own thread.
   constexpr std::size_t kBlock = 16;
   for (std::size_t begin = 0; begin < n; begin += kBlock) {
@@ -575,13 +573,29 @@ Toolpaths make_toolpaths(const LayerStack& stack, const ToolpathParams& params,
   }
   Toolpaths result;
   Vec3 seam = Vec3::Zero();
+  double area = 0, thin_area = 0;
+  std::vector<Vec3> empty;  // places of components without any path
   for (std::size_t i = 0; i < n; ++i) {
     LayerPaths layer = std::move(planned[i].measured);
     layer.component = static_cast<Index>(i);
     layer.paths = order_paths(std::move(planned[i].tree), seam);
     if (!layer.paths.empty()) seam = layer.paths.front().points.row(0);
+    area += layer.area;
+    if (layer.unfilled_thin_area > 0) {
+      thin_area += layer.unfilled_thin_area;
+      if (layer.paths.empty() && stack.layers[i].surface.vertices.rows() > 0)
+        empty.push_back(stack.layers[i].surface.vertices.row(0));
+    }
     result.layers.push_back(std::move(layer));
   }
+  constexpr double kWorthAWarning = 0.002;  // of the whole area
+  if (thin_area > kWorthAWarning * area)
+    ctx.warn("toolpaths.thin_area",
+             std::to_string(thin_area) + " mm² of " + std::to_string(area) +
+                 " mm² of layers are too thin for a bead and stay empty; " +
+                 std::to_string(empty.size()) +
+                 " layer components have no path at all. A narrower toolpath.width fills more.",
+             empty);
   return result;
 }
 

@@ -41,6 +41,8 @@ LayerPaths contour_parallel(const Layer& layer, double width, const Context& ctx
 /// Contour-parallel paths of every component, walls from outside to inside, each closed path
 /// starting near the end of the one before and the outermost near the start of the layer below (one
 /// seam).
+/// Warns "toolpaths.thin_area" where more than 0.2 % of the area is too thin for a bead, or has no
+/// boundary to start from.
 /// @throws Error "toolpaths.bad_width" unless the width is positive and finite
 Toolpaths make_toolpaths(const LayerStack& stack, const ToolpathParams& params,
                          double nozzle_diameter, Context& ctx);

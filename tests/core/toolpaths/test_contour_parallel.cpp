@@ -120,6 +120,14 @@ TEST_CASE("a strip too thin for a bead is listed, not dropped in silence") {
   const LayerPaths paths = contour_parallel(make_rectangle(20, 0.3, 0.3), 1.0, ctx);
   CHECK(paths.paths.empty());
   CHECK(paths.unfilled_thin_area == doctest::Approx(6.0));
+  LayerStack stack;
+  stack.layers = {make_disc(5, 0.7)};
+  make_toolpaths(stack, {}, 1.0, ctx);
+  CHECK(ctx.warnings.empty());
+  stack.layers.push_back(make_rectangle(20, 0.3, 0.3));
+  make_toolpaths(stack, {}, 1.0, ctx);
+  REQUIRE(ctx.warnings.size() == 1);
+  CHECK(ctx.warnings[0].code == "toolpaths.thin_area");
 }
 
 TEST_CASE("a strip of 1.4 beads gets one wide bead, a strip of three a ring with a bead inside") {
