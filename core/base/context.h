@@ -31,7 +31,8 @@ class Context {
     if (cancel_requested.load(std::memory_order_relaxed)) throw Cancelled();
   }
 
-  /// Reports progress within a stage and checks for a cancel. Call from the stage's own thread only.
+  /// Reports progress within a stage and checks for a cancel. Call from the stage's own thread
+  /// only.
   void progress(Stage stage, double fraction) const {
     checkpoint();
     if (on_progress) on_progress(stage, fraction);

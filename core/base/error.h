@@ -1,4 +1,5 @@
-// What goes wrong, as one type: a stable code, a sentence for a person, a hint that helps them go on.
+// What goes wrong, as one type: a stable code, a sentence for a person, a hint that helps them go
+// on.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -15,7 +16,8 @@ enum class ErrorKind {
   slicing  // the pipeline could not finish a valid input (exit code 3)
 };
 
-/// Thrown by every stage. `code` is stable text such as "mesh.open_boundary": first the stage, then the case.
+/// Thrown by every stage. `code` is stable text such as "mesh.open_boundary": first the stage, then
+/// the case.
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, Stage stage, std::string code, const std::string& message,

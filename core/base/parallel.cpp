@@ -72,7 +72,9 @@ ThreadPool::~ThreadPool() {
   for (auto& worker : state_->workers) worker.join();
 }
 
-int ThreadPool::threads() const { return state_->threads; }
+int ThreadPool::threads() const {
+  return state_->threads;
+}
 
 void ThreadPool::run(std::size_t jobs, const std::function<void(std::size_t)>& job) {
   State& s = *state_;

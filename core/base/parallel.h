@@ -1,5 +1,6 @@
-// Loops over fixed chunks, on threads where there are some. The chunks, and the order in which partial results are
-// combined, depend on n and grain only: the answer is the same for every number of threads.
+// Loops over fixed chunks, on threads where there are some. The chunks, and the order in which
+// partial results are combined, depend on n and grain only: the answer is the same for every number
+// of threads.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +10,8 @@
 
 namespace s3 {
 
-/// A fixed set of workers; the caller computes too. `threads` = 1 (and every build without threads) runs inline.
+/// A fixed set of workers; the caller computes too. `threads` = 1 (and every build without threads)
+/// runs inline.
 class ThreadPool {
  public:
   explicit ThreadPool(int threads = 1);
@@ -19,8 +21,8 @@ class ThreadPool {
 
   int threads() const;
 
-  /// Calls job(0 … jobs-1), each once, from any thread; returns when all have ended. The first exception is rethrown.
-  /// Must not be called from inside a job.
+  /// Calls job(0 … jobs-1), each once, from any thread; returns when all have ended. The first
+  /// exception is rethrown. Must not be called from inside a job.
   void run(std::size_t jobs, const std::function<void(std::size_t)>& job);
 
  private:

@@ -1,5 +1,5 @@
-// The stages of the pipeline in their order. A folder of core is named after each; the order is also
-// the rule for includes: a stage may include earlier stages only (tests/check_includes.mjs).
+// The stages of the pipeline in their order. A folder of core is named after each; the order is
+// also the rule for includes: a stage may include earlier stages only (tests/check_includes.mjs).
 #pragma once
 #include <string_view>
 

@@ -1,4 +1,5 @@
-// The shapes that flow through the pipeline. Units everywhere: mm, N, MPa, s, rad; z up; right-handed.
+// The shapes that flow through the pipeline. Units everywhere: mm, N, MPa, s, rad; z up;
+// right-handed.
 #pragma once
 #include <cstdint>
 
@@ -28,6 +29,8 @@ using Values = Eigen::VectorXd;
 using Pairs = Eigen::Matrix<Index, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 /// d_p of the paper: the build direction of the deformed shape.
-inline Vec3 build_direction() { return Vec3::UnitZ(); }
+inline Vec3 build_direction() {
+  return Vec3::UnitZ();
+}
 
 }  // namespace s3

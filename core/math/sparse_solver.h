@@ -1,4 +1,5 @@
-// One door to symmetric positive definite linear systems, with several right-hand sides and warm starts.
+// One door to symmetric positive definite linear systems, with several right-hand sides and warm
+// starts.
 #pragma once
 #include <memory>
 #include <string>
@@ -24,10 +25,12 @@ enum class SolverKind {
 
 struct SolverOptions {
   SolverKind kind = SolverKind::multigrid;
-  double tolerance = 1e-6;   // ‖b − A x‖ ≤ tolerance·‖b‖ for every right-hand side (direct kinds ignore it)
+  double tolerance =
+      1e-6;  // ‖b − A x‖ ≤ tolerance·‖b‖ for every right-hand side (direct kinds ignore it)
   int max_iterations = 500;
-  /// Near-nullspace of A for multigrid, #rows×k; empty means one constant vector. Rows of one block of `block_size`
-  /// consecutive unknowns are aggregated together (3 for elasticity, 1 for scalar problems).
+  /// Near-nullspace of A for multigrid, #rows×k; empty means one constant vector. Rows of one block
+  /// of `block_size` consecutive unknowns are aggregated together (3 for elasticity, 1 for scalar
+  /// problems).
   Block near_nullspace = {};
   int block_size = 1;
 };
@@ -42,7 +45,8 @@ class SpdSolver {
  public:
   virtual ~SpdSolver() = default;
 
-  /// Analyses and prepares A (n×n, symmetric, positive diagonal, finite: checked). A is copied as needed.
+  /// Analyses and prepares A (n×n, symmetric, positive diagonal, finite: checked). A is copied as
+  /// needed.
   /// @throws Error "solver.not_spd" where the checks fail
   virtual void factor(const SparseMatrix& A, Context& ctx) = 0;
 

@@ -25,12 +25,13 @@ struct FaceKey {
 
 void check_and_orient(const Points& vertices, Tets& tets) {
   if (tets.rows() == 0) bad_tets("The mesh has no tetrahedra", "Export a volume mesh");
-  if (!vertices.allFinite()) bad_tets("The mesh has a vertex that is not a number", "Export the mesh again");
+  if (!vertices.allFinite())
+    bad_tets("The mesh has a vertex that is not a number", "Export the mesh again");
   for (Index t = 0; t < tets.rows(); ++t) {
     for (int i = 0; i < 4; ++i) {
       if (tets(t, i) < 0 || tets(t, i) >= vertices.rows())
-        bad_tets("Tet " + std::to_string(t) + " names vertex " + std::to_string(tets(t, i)) + " of " +
-                     std::to_string(vertices.rows()),
+        bad_tets("Tet " + std::to_string(t) + " names vertex " + std::to_string(tets(t, i)) +
+                     " of " + std::to_string(vertices.rows()),
                  "The file is damaged; export the mesh again");
     }
     const double volume = tet_volume(vertices, tets, t);
@@ -53,7 +54,8 @@ TetMesh make_tet_mesh(Points vertices, Tets tets) {
   faces.reserve(4 * static_cast<std::size_t>(n));
   for (Index t = 0; t < n; ++t)
     for (int f = 0; f < 4; ++f) {
-      FaceKey key{{mesh.tets(t, kTetFaces[f][0]), mesh.tets(t, kTetFaces[f][1]), mesh.tets(t, kTetFaces[f][2])},
+      FaceKey key{{mesh.tets(t, kTetFaces[f][0]), mesh.tets(t, kTetFaces[f][1]),
+                   mesh.tets(t, kTetFaces[f][2])},
                   t,
                   static_cast<std::int8_t>(f)};
       std::sort(key.corners.begin(), key.corners.end());
@@ -65,8 +67,8 @@ TetMesh make_tet_mesh(Points vertices, Tets tets) {
   for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
     if (faces[i].corners != faces[i + 1].corners) continue;
     if (i + 2 < faces.size() && faces[i].corners == faces[i + 2].corners)
-      bad_tets("Tets " + std::to_string(faces[i].tet) + ", " + std::to_string(faces[i + 1].tet) + " and " +
-                   std::to_string(faces[i + 2].tet) + " share one face",
+      bad_tets("Tets " + std::to_string(faces[i].tet) + ", " + std::to_string(faces[i + 1].tet) +
+                   " and " + std::to_string(faces[i + 2].tet) + " share one face",
                "Remove duplicate tets");
     mesh.neighbors(faces[i].tet, faces[i].local) = faces[i + 1].tet;
     mesh.neighbors(faces[i + 1].tet, faces[i + 1].local) = faces[i].tet;
@@ -79,7 +81,8 @@ TetMesh make_tet_mesh(Points vertices, Tets tets) {
     for (int f = 0; f < 4; ++f) {
       const Index other = mesh.neighbors(t, f);
       if (other < 0) {
-        boundary.push_back({mesh.tets(t, kTetFaces[f][0]), mesh.tets(t, kTetFaces[f][1]), mesh.tets(t, kTetFaces[f][2])});
+        boundary.push_back({mesh.tets(t, kTetFaces[f][0]), mesh.tets(t, kTetFaces[f][1]),
+                            mesh.tets(t, kTetFaces[f][2])});
         mesh.boundary_face_tet.push_back(t);
       } else if (t < other) {
         int g = 0;
@@ -96,13 +99,14 @@ TetMesh make_tet_mesh(Points vertices, Tets tets) {
   }
   mesh.boundary_faces.resize(static_cast<Eigen::Index>(boundary.size()), 3);
   for (std::size_t i = 0; i < boundary.size(); ++i)
-    mesh.boundary_faces.row(static_cast<Eigen::Index>(i)) << boundary[i][0], boundary[i][1], boundary[i][2];
+    mesh.boundary_faces.row(static_cast<Eigen::Index>(i)) << boundary[i][0], boundary[i][1],
+        boundary[i][2];
   return mesh;
 }
 
 double tet_volume(const Points& vertices, const Tets& tets, Index t) {
-  const Vec3 a = vertices.row(tets(t, 0)), b = vertices.row(tets(t, 1)), c = vertices.row(tets(t, 2)),
-             d = vertices.row(tets(t, 3));
+  const Vec3 a = vertices.row(tets(t, 0)), b = vertices.row(tets(t, 1)),
+             c = vertices.row(tets(t, 2)), d = vertices.row(tets(t, 3));
   return (b - a).dot((c - a).cross(d - a)) / 6.0;
 }
 
@@ -133,7 +137,9 @@ double mean_edge_length(const TetMesh& mesh) {
   return sum / (6.0 * mesh.tet_count());
 }
 
-TriMesh boundary_surface(const TetMesh& mesh) { return {mesh.vertices, mesh.boundary_faces}; }
+TriMesh boundary_surface(const TetMesh& mesh) {
+  return {mesh.vertices, mesh.boundary_faces};
+}
 
 std::vector<char> plate_faces(const TetMesh& mesh) {
   const Box box = bounding_box(mesh.vertices);

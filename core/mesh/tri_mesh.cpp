@@ -12,7 +12,8 @@ Box bounding_box(const Points& vertices) {
 
 Vec3 triangle_normal_2a(const Points& vertices,
                         const Eigen::Ref<const Eigen::Matrix<Index, 1, 3>>& triangle) {
-  const Vec3 a = vertices.row(triangle(0)), b = vertices.row(triangle(1)), c = vertices.row(triangle(2));
+  const Vec3 a = vertices.row(triangle(0)), b = vertices.row(triangle(1)),
+             c = vertices.row(triangle(2));
   return (b - a).cross(c - a);
 }
 
@@ -36,7 +37,8 @@ double surface_area(const TriMesh& mesh) {
 double enclosed_volume(const TriMesh& mesh) {
   double six_volume = 0;
   for (Eigen::Index f = 0; f < mesh.triangles.rows(); ++f) {
-    const Vec3 a = mesh.vertices.row(mesh.triangles(f, 0)), b = mesh.vertices.row(mesh.triangles(f, 1)),
+    const Vec3 a = mesh.vertices.row(mesh.triangles(f, 0)),
+               b = mesh.vertices.row(mesh.triangles(f, 1)),
                c = mesh.vertices.row(mesh.triangles(f, 2));
     six_volume += a.dot(b.cross(c));
   }

@@ -19,7 +19,8 @@ struct Box {
 
 Box bounding_box(const Points& vertices);
 /// Unnormalised normal: twice the area long.
-Vec3 triangle_normal_2a(const Points& vertices, const Eigen::Ref<const Eigen::Matrix<Index, 1, 3>>& triangle);
+Vec3 triangle_normal_2a(const Points& vertices,
+                        const Eigen::Ref<const Eigen::Matrix<Index, 1, 3>>& triangle);
 /// #F×3 unit normals; zero for degenerate triangles.
 Directions triangle_normals(const TriMesh& mesh);
 double surface_area(const TriMesh& mesh);

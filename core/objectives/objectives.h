@@ -20,35 +20,58 @@ struct ObjectiveParams {
 
 template <class Visitor>
 void describe(Visitor& v, ObjectiveParams& p) {
-  const auto weight = [&](double& field, std::string_view key, std::string_view label, std::string_view doc) {
-    v(field, ParamInfo{.key = key, .label = label, .unit = "", .doc = doc, .min = 0, .max = 1, .stage = Stage::objectives});
+  const auto weight = [&](double& field, std::string_view key, std::string_view label,
+                          std::string_view doc) {
+    v(field, ParamInfo{.key = key,
+                       .label = label,
+                       .unit = "",
+                       .doc = doc,
+                       .min = 0,
+                       .max = 1,
+                       .stage = Stage::objectives});
   };
-  weight(p.support_free, "objectives.support_free", "Support free", "Weight w_SF: no face may overhang its layer by more than alpha; 0 switches it off.");
-  weight(p.strength, "objectives.strength", "Strength", "Weight w_SR: layers run along the largest tension; 0 switches it off.");
-  weight(p.surface_quality, "objectives.surface_quality", "Surface quality", "Weight w_SQ: layers meet the surface flat or upright, without stair-steps; 0 switches it off.");
-  const auto angle = [&](double& field, std::string_view key, std::string_view label, std::string_view doc) {
-    v(field, ParamInfo{.key = key, .label = label, .unit = "deg", .doc = doc, .min = 0, .max = 90, .stage = Stage::objectives});
+  weight(p.support_free, "objectives.support_free", "Support free",
+         "Weight w_SF: no face may overhang its layer by more than alpha; 0 switches it off.");
+  weight(p.strength, "objectives.strength", "Strength",
+         "Weight w_SR: layers run along the largest tension; 0 switches it off.");
+  weight(p.surface_quality, "objectives.surface_quality", "Surface quality",
+         "Weight w_SQ: layers meet the surface flat or upright, without stair-steps; 0 switches it "
+         "off.");
+  const auto angle = [&](double& field, std::string_view key, std::string_view label,
+                         std::string_view doc) {
+    v(field, ParamInfo{.key = key,
+                       .label = label,
+                       .unit = "deg",
+                       .doc = doc,
+                       .min = 0,
+                       .max = 90,
+                       .stage = Stage::objectives});
   };
-  angle(p.alpha_deg, "objectives.alpha", "Self-supporting angle", "Angle alpha of Eq. 1: how far a face may overhang its layer and still print.");
-  angle(p.beta_deg, "objectives.beta", "Strength tolerance", "Angle beta of Eq. 2: how far a layer may deviate from the largest tension.");
-  angle(p.gamma_deg, "objectives.gamma", "Cliff angle", "Angle gamma of Eq. 4: how far a face may lean against its layers' normal and still look smooth.");
+  angle(p.alpha_deg, "objectives.alpha", "Self-supporting angle",
+        "Angle alpha of Eq. 1: how far a face may overhang its layer and still print.");
+  angle(p.beta_deg, "objectives.beta", "Strength tolerance",
+        "Angle beta of Eq. 2: how far a layer may deviate from the largest tension.");
+  angle(p.gamma_deg, "objectives.gamma", "Cliff angle",
+        "Angle gamma of Eq. 4: how far a face may lean against its layers' normal and still look "
+        "smooth.");
 }
 
 /// Everything that objectives, weights and metrics ask of a mesh; built once for each mesh and job.
 struct ObjectiveField {
-  Directions face_normal;             // #B×3: outward unit normals of the boundary faces, rest frame
-  Values face_area;                   // #B mm²
-  std::vector<char> face_exempt;      // #B: 1 on plate contact: no SF, no SQ
+  Directions face_normal;         // #B×3: outward unit normals of the boundary faces, rest frame
+  Values face_area;               // #B mm²
+  std::vector<char> face_exempt;  // #B: 1 on plate contact: no SF, no SQ
   std::vector<char> face_wants_quality;  // #B: 1 where SQ applies
-  std::vector<Index> boundary_tets;   // B: ascending, unique
-  std::vector<Index> tet_face_begin;  // #T+1: offsets into tet_faces
-  std::vector<Index> tet_faces;       // boundary faces grouped by tet
-  std::vector<char> critical;         // #T: 1 in S; empty without SR
-  Directions tau_max;                 // #T×3; empty without SR
-  std::vector<char> vertex_on_plate;  // #V: vertices of the plate contact, where G = 0
+  std::vector<Index> boundary_tets;      // B: ascending, unique
+  std::vector<Index> tet_face_begin;     // #T+1: offsets into tet_faces
+  std::vector<Index> tet_faces;          // boundary faces grouped by tet
+  std::vector<char> critical;            // #T: 1 in S; empty without SR
+  Directions tau_max;                    // #T×3; empty without SR
+  std::vector<char> vertex_on_plate;     // #V: vertices of the plate contact, where G = 0
 };
 
 /// @param stress  may be null where the strength weight is 0
-ObjectiveField make_objectives(const TetMesh& rest, const ObjectiveParams& params, const StressField* stress);
+ObjectiveField make_objectives(const TetMesh& rest, const ObjectiveParams& params,
+                               const StressField* stress);
 
 }  // namespace s3

@@ -21,10 +21,39 @@ struct DeformParams {
 
 template <class Visitor>
 void describe(Visitor& v, DeformParams& p) {
-  v(p.method, ParamInfo{.key = "deform.method", .label = "Method", .unit = "", .doc = "refined: short start, then a constrained solve for the field itself; paper: the loop of the paper to its stop test.", .choices = {"refined", "paper"}, .stage = Stage::outer_loop});
-  v(p.rigidity, ParamInfo{.key = "deform.rigidity", .label = "Rigidity", .unit = "", .doc = "Weight w_r of the rigidity term in Eq. 12.", .min = 0, .max = 1e6, .stage = Stage::outer_loop, .advanced = true});
-  v(p.scale_compatibility, ParamInfo{.key = "deform.scale_compatibility", .label = "Scale compatibility", .unit = "", .doc = "Weight w_c of Eq. 12: how alike neighbouring scales stay.", .min = 0, .max = 1e6, .stage = Stage::outer_loop, .advanced = true});
-  v(p.max_tilt_deg, ParamInfo{.key = "deform.max_tilt", .label = "Largest tilt", .unit = "deg", .doc = "Angle from z that the print direction may reach; 0 takes the machine profile's.", .min = 0, .max = 90, .stage = Stage::outer_loop});
+  v(p.method, ParamInfo{.key = "deform.method",
+                        .label = "Method",
+                        .unit = "",
+                        .doc = "refined: short start, then a constrained solve for the field "
+                               "itself; paper: the loop of the paper to its stop test.",
+                        .choices = {"refined", "paper"},
+                        .stage = Stage::outer_loop});
+  v(p.rigidity, ParamInfo{.key = "deform.rigidity",
+                          .label = "Rigidity",
+                          .unit = "",
+                          .doc = "Weight w_r of the rigidity term in Eq. 12.",
+                          .min = 0,
+                          .max = 1e6,
+                          .stage = Stage::outer_loop,
+                          .advanced = true});
+  v(p.scale_compatibility,
+    ParamInfo{.key = "deform.scale_compatibility",
+              .label = "Scale compatibility",
+              .unit = "",
+              .doc = "Weight w_c of Eq. 12: how alike neighbouring scales stay.",
+              .min = 0,
+              .max = 1e6,
+              .stage = Stage::outer_loop,
+              .advanced = true});
+  v(p.max_tilt_deg,
+    ParamInfo{
+        .key = "deform.max_tilt",
+        .label = "Largest tilt",
+        .unit = "deg",
+        .doc = "Angle from z that the print direction may reach; 0 takes the machine profile's.",
+        .min = 0,
+        .max = 90,
+        .stage = Stage::outer_loop});
 }
 
 struct DeformTimings {  // seconds, wall
@@ -32,9 +61,9 @@ struct DeformTimings {  // seconds, wall
 };
 
 struct DeformResult {
-  ScalarField field;         // G on the rest mesh
-  Points deformed;           // #V×3, M^d, mm: free of foldovers
-  Quats rotation;            // #T×4, q_e
+  ScalarField field;                     // G on the rest mesh
+  Points deformed;                       // #V×3, M^d, mm: free of foldovers
+  Quats rotation;                        // #T×4, q_e
   std::vector<double> residual_history;  // mean Π in rad after each outer iteration
   int outer_iterations = 0;
   std::vector<Island> islands;
@@ -44,7 +73,8 @@ struct DeformResult {
 /// Deforms `rest` for the objectives.
 /// @param thickness_ratio  d_max/d_min of the layers: bounds how much ‖∇G‖ may vary
 /// @throws Error, Cancelled
-DeformResult deform(const TetMesh& rest, const ObjectiveField& objectives, const ObjectiveParams& objective_params,
-                    const DeformParams& params, double thickness_ratio, Context& ctx);
+DeformResult deform(const TetMesh& rest, const ObjectiveField& objectives,
+                    const ObjectiveParams& objective_params, const DeformParams& params,
+                    double thickness_ratio, Context& ctx);
 
 }  // namespace s3

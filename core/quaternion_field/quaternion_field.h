@@ -17,7 +17,7 @@ struct RotationField {
   Quats target_rotation;  // #T×4, q_e^t of the last projection; equal to the start where no target
                           // holds the tet
   double projection_seconds = 0;  // wall time of the local projections within the call
-  int infeasible_tets = 0;  // held tets of which no direction satisfies all objectives
+  int infeasible_tets = 0;        // held tets of which no direction satisfies all objectives
 };
 
 struct QuaternionFieldParams {

@@ -1,4 +1,5 @@
-// Tet meshes of boxes for tests: a regular grid, six tets a cell, optionally bent by a function of the position.
+// Tet meshes of boxes for tests: a regular grid, six tets a cell, optionally bent by a function of
+// the position.
 #pragma once
 #include <functional>
 
@@ -8,8 +9,11 @@ namespace s3::test {
 
 /// nx×ny×nz cells over [0, size], conforming (Kuhn) subdivision.
 /// @param bend  applied to every vertex; empty for none
-inline TetMesh make_grid(int nx, int ny, int nz, const Vec3& size, const std::function<Vec3(const Vec3&)>& bend = {}) {
-  const auto id = [&](int i, int j, int k) { return static_cast<Index>((k * (ny + 1) + j) * (nx + 1) + i); };
+inline TetMesh make_grid(int nx, int ny, int nz, const Vec3& size,
+                         const std::function<Vec3(const Vec3&)>& bend = {}) {
+  const auto id = [&](int i, int j, int k) {
+    return static_cast<Index>((k * (ny + 1) + j) * (nx + 1) + i);
+  };
   Points vertices(static_cast<Eigen::Index>((nx + 1) * (ny + 1) * (nz + 1)), 3);
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)

@@ -23,9 +23,14 @@ TEST_CASE("a parallel sum does not depend on the number of threads") {
 
 TEST_CASE("an exception in a chunk reaches the caller and the pool stays usable") {
   ThreadPool pool(3);
-  CHECK_THROWS_AS(parallel_for(pool, 100, 1, [](std::size_t b, std::size_t) { if (b == 42) throw std::runtime_error("x"); }),
+  CHECK_THROWS_AS(parallel_for(pool, 100, 1,
+                               [](std::size_t b, std::size_t) {
+                                 if (b == 42) throw std::runtime_error("x");
+                               }),
                   std::runtime_error);
   std::vector<int> hit(100, 0);
-  parallel_for(pool, 100, 7, [&](std::size_t b, std::size_t e) { for (auto i = b; i < e; ++i) ++hit[i]; });
+  parallel_for(pool, 100, 7, [&](std::size_t b, std::size_t e) {
+    for (auto i = b; i < e; ++i) ++hit[i];
+  });
   for (int h : hit) CHECK(h == 1);
 }
