@@ -73,6 +73,7 @@ std::vector<SvgFile> histograms(const PlotData& curved, const PlotData& planar,
   add("thickness.svg", thickness_plot(d_min, d_max), curved.thickness, planar.thickness);
   if (!residual_history.empty()) {
     std::vector<double> in_degrees;
+    in_degrees.reserve(residual_history.size());
     for (const double residual : residual_history) in_degrees.push_back(degrees(residual));
     files.push_back(
         {"residual.svg", curve_svg("Mean distance to the feasible directions (Eq. 13)",

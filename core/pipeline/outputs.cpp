@@ -1,5 +1,6 @@
 #include "pipeline/outputs.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "export/fields_vtu.h"
@@ -27,7 +28,7 @@ std::string thickness(const Metrics& m) {
 
 std::string print_time(const Metrics& m) {
   if (!m.print_time_s) return "-";
-  const long minutes = static_cast<long>(*m.print_time_s / 60 + 0.5);
+  const long minutes = std::lround(*m.print_time_s / 60);
   char text[48];
   std::snprintf(text, sizeof text, "%ld h %02ld min", minutes / 60, minutes % 60);
   return text;

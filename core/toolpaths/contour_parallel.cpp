@@ -54,7 +54,8 @@ BeadField make_bead_field(const WorkLayer& layer, const MedialPlan& medial, doub
     const BeadPlan plan = medial.at(
         hit_boundary(layer.boundary, source, layer.mesh.vertices.row(v), true), layer.boundary);
     if (plan.weight <= 0) continue;
-    const auto pairs = static_cast<double>(plan.beads / 2);
+    const int whole_pairs = plan.beads / 2;
+    const double pairs = whole_pairs;
     // The largest u on the axis: no ring there, and none more than the count says.
     const double top = plan.beads % 2 == 1 ? pairs + 0.4 : pairs;
     double fitted = plain;
@@ -240,7 +241,8 @@ class AxisTracer {
   bool single(Index i) const { return node(i).central && node(i).beads % 2 == 1; }
   /// What the rings on both sides leave.
   double width_of(Index i) const {
-    return 2 * (node(i).radius - (node(i).beads / 2) * width_ - 2 * node(i).shift);
+    const int pairs = node(i).beads / 2;
+    return 2 * (node(i).radius - pairs * width_ - 2 * node(i).shift);
   }
   int degree(Index i) const {
     int count = 0;
@@ -519,6 +521,7 @@ PlannedLayer plan_layer(const Layer& layer, double width, const Context& ctx) {
   for (PlannedPath& p : planned) simplify(p.path, kSimplify * width);
   HoleFiller(work, field.coordinate, medial.axis(), width).fill(planned);
   std::vector<Path> paths;
+  paths.reserve(planned.size());
   for (const PlannedPath& p : planned) paths.push_back(p.path);
   // Measured on the layer as it came: its vertices are the first of the refined ones. Together with
   // the medial axis they are dense enough to tell where it is wide.
@@ -578,7 +581,7 @@ Toolpaths make_toolpaths(const LayerStack& stack, const ToolpathParams& params,
   for (std::size_t i = 0; i < n; ++i) {
     LayerPaths layer = std::move(planned[i].measured);
     layer.component = static_cast<Index>(i);
-    layer.paths = order_paths(std::move(planned[i].tree), seam);
+    layer.paths = order_paths(planned[i].tree, seam);
     if (!layer.paths.empty()) seam = layer.paths.front().points.row(0);
     area += layer.area;
     if (layer.unfilled_thin_area > 0) {

@@ -179,7 +179,7 @@ PathTree nest_paths(const WorkLayer& layer, const Values& coordinate,
   return tree;
 }
 
-std::vector<Path> order_paths(PathTree tree, const Vec3& start) {
+std::vector<Path> order_paths(const PathTree& tree, const Vec3& start) {
   Orderer orderer(tree, start);
   orderer.visit_all(tree.roots);
   return std::move(orderer.result);

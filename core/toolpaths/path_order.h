@@ -35,6 +35,6 @@ PathTree nest_paths(const WorkLayer& layer, const Values& coordinate,
 /// turned so that they start at their point nearest to where the one before ended, open ones run
 /// from the nearer end.
 /// @param start  where the first path should begin, mm
-std::vector<Path> order_paths(PathTree tree, const Vec3& start);
+std::vector<Path> order_paths(const PathTree& tree, const Vec3& start);
 
 }  // namespace s3

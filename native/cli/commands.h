@@ -7,7 +7,8 @@
 
 namespace s3::cli {
 
-enum ExitCode { kDone = 0, kInputWrong = 2, kSlicingFailed = 3, kCancelledCode = 130 };
+// Exit codes of the program.
+constexpr int kDone = 0, kInputWrong = 2, kSlicingFailed = 3, kCancelledCode = 130;
 
 int run_command(const RunOptions& options);
 int inspect_command(const std::string& model, bool as_json);
