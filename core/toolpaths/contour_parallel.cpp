@@ -551,7 +551,7 @@ LayerPaths contour_parallel(const Layer& layer, double width, const Context& ctx
   LayerPaths result = std::move(planned.measured);
   const Vec3 start =
       layer.surface.vertices.rows() > 0 ? Vec3(layer.surface.vertices.row(0)) : Vec3(Vec3::Zero());
-  result.paths = order_paths(std::move(planned.tree), start);
+  result.paths = order_paths(planned.tree, start);
   return result;
 }
 
