@@ -28,8 +28,8 @@ TEST_CASE("every parameter of the contract exists, with its default") {
                                    {"deform.method", "refined"},
                                    {"deform.rigidity", 1.0},
                                    {"deform.scale_compatibility", 6.0}};
-  for (const auto& [key, value] : defaults.items())
-    CHECK_MESSAGE(leaf(key)["default"] == value, key);
+  for (const auto& item : defaults.items())
+    CHECK_MESSAGE(leaf(item.key())["default"] == item.value(), item.key());
   for (const char* key :
        {"input.rotate", "objectives.support_free", "objectives.strength",
         "objectives.surface_quality", "deform.max_tilt", "nozzle.diameter", "layers.min_thickness",
