@@ -343,6 +343,7 @@ void weld_if_it_closes(TriMesh& mesh, std::vector<std::string>& repairs) {
   TriMesh welded;
   Welder welder(static_cast<std::size_t>(mesh.vertices.rows()));
   std::vector<Index> number;
+  number.reserve(static_cast<std::size_t>(mesh.vertices.rows()));
   for (Index v = 0; v < mesh.vertices.rows(); ++v) number.push_back(welder.add(vertex(mesh, v)));
   welded.vertices = welder.take();
   if (welded.vertices.rows() == mesh.vertices.rows()) return;

@@ -172,7 +172,8 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
     for (int i = 0; i < m; ++i)
       for (int j = 0; j < 2 * (m - i) - 1; ++j) {
         // Centre of small triangle j in row i of the subdivision.
-        const double along = (j / 2 + (j % 2 == 0 ? 1.0 : 2.0) / 3) / m,
+        const int column = j / 2;
+        const double along = (column + (j % 2 == 0 ? 1.0 : 2.0) / 3) / m,
                      up = (i + (j % 2 == 0 ? 1.0 : 2.0) / 3) / m;
         const Vec3 p = v[0] + along * (v[1] - v[0]) + up * (v[2] - v[0]);
         touching.clear();

@@ -12,32 +12,30 @@ const volume = ['--input.up', 'y'];
 const quality = ['--objectives.support_free', '0.5', '--objectives.surface_quality', '0.5', '--objectives.gamma', '8'];
 
 const jobs = [
-  { name: 'ring', file: 'ring.tet', flags: [...volume] },
-  { name: 'topopt', file: 'topopt.tet', flags: [...volume] },
-  { name: 'ankle', file: 'ankle.tet', flags: [...volume, ...quality] },
-  { name: 'bunny', file: 'bunny.off', flags: ['--mesh.target_tets', '197000', ...quality] },
-  { name: 'topopt-sr', file: 'topopt.tet', stress: 'topopt_stress.csv', flags: [...volume, '--objectives.support_free', '0.7', '--objectives.strength', '0.3'] },
+  { name: 'ring', label: 'ring, SF', file: 'ring.tet', flags: [...volume] },
+  { name: 'topopt', label: 'topopt, SF', file: 'topopt.tet', flags: [...volume] },
+  { name: 'ankle', label: 'ankle, SF 0.5 SQ 0.5, γ 8°', file: 'ankle.tet', flags: [...volume, ...quality] },
+  { name: 'bunny', label: 'bunny (197k tets asked), SF 0.5 SQ 0.5, γ 8°', file: 'bunny.off', flags: ['--mesh.target_tets', '197000', ...quality] },
+  { name: 'topopt-sr', label: 'topopt, SF 0.7 SR 0.3', file: 'topopt.tet', stress: 'topopt_stress.csv', flags: [...volume, '--objectives.support_free', '0.7', '--objectives.strength', '0.3'] },
 ];
 
 const number = (x, digits) => (x === null || x === undefined ? '–' : x.toFixed(digits));
 const columns = [
-  ['model', (r) => r.name],
-  ['method', (r) => r.method],
-  ['SF area %', (r) => number(r.m.support_free_area_percent, 2)],
+  ['model, objectives', (r) => r.label],
+  ['layers', (r) => r.method],
+  ['SF %', (r) => number(r.m.support_free_area_percent, 2)],
   ['violation °', (r) => number(r.m.support_free_mean_violation_deg, 4)],
-  ['SQ area %', (r) => number(r.m.surface_quality_area_percent, 1)],
-  ['SR critical %', (r) => number(r.m.strength_critical_percent, 1)],
+  ['SQ %', (r) => number(r.m.surface_quality_area_percent, 1)],
+  ['SR %', (r) => number(r.m.strength_critical_percent, 1)],
   ['Π rad', (r) => number(r.m.pi_rad, 4)],
   ['foldovers', (r) => r.m.foldovers],
   ['gouging', (r) => r.m.gouging_pairs],
-  ['concave > 20°', (r) => r.m.concave_pairs_over_20deg],
+  ['concave', (r) => r.m.concave_pairs_over_20deg],
   ['islands', (r) => r.m.islands],
-  ['layers', (r) => r.m.layers],
-  ['thickness mm', (r) => (r.m.thickness_mm ? `${number(r.m.thickness_mm.min, 2)} to ${number(r.m.thickness_mm.max, 2)}` : '–')],
-  ['outside %', (r) => number(r.m.thickness_outside_area_percent, 3)],
+  ['isosurfaces', (r) => r.m.layers],
+  ['outside thickness %', (r) => (r.method === 'planar' ? '–' : number(r.m.thickness_outside_area_percent, 4))],
   ['coverage %', (r) => number(r.m.coverage_percent, 1)],
   ['overlap %', (r) => number(r.m.overlap_percent, 1)],
-  ['seconds', (r) => number(r.seconds, 1)],
 ];
 
 function slice(job, method) {
@@ -52,8 +50,8 @@ function slice(job, method) {
     return [];
   }
   const report = JSON.parse(readFileSync(join(outdir, 'report.json'), 'utf8'));
-  const rows = [{ name: job.name, method, m: report.curved, seconds: report.timings_s.total }];
-  if (method === 'refined') rows.unshift({ name: job.name, method: 'planar', m: report.planar });
+  const rows = [{ label: job.label, method, m: report.curved }];
+  if (method === 'refined') rows.unshift({ label: job.label, method: 'planar', m: report.planar });
   return rows;
 }
 
