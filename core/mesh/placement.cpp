@@ -158,7 +158,8 @@ Vec3 best_up_direction(const Points& vertices, const Triangles& triangles) {
   for (const Vec3& normal : flat_normals(s)) consider(-normal);
   for (int i = 0; i < kSphereCandidates; ++i) consider(sphere_point(i));
   for (double step = radians(8); step > radians(0.5); step /= 2) {
-    const Vec3 center(best);  // `best` moves while its surroundings are searched
+    // A copy: `best` moves while its surroundings are searched.
+    const Vec3 center = best;  // NOLINT(performance-unnecessary-copy-initialization)
     const Vec3 u = center.unitOrthogonal(), v = center.cross(u);
     for (int k = 0; k < 8; ++k) {
       const double angle = k * kPi / 4;
