@@ -80,10 +80,8 @@ function matchFaces(tets) {
   const open = new Map(), pairs = [];
   tets.forEach((tet, t) => FACES.forEach((face, f) => {
     const corners = face.map((i) => tet[i]).sort((x, y) => x - y);
-    const key = (corners[0] * 2097152 + corners[1]) * 4194304 + corners[2];
-    const key2 = corners.join();
-    void key;
-    if (open.has(key2)) { pairs.push([open.get(key2)[0], t, face.map((i) => tet[i])]); open.delete(key2); } else open.set(key2, [t, f]);
+    const key = corners.join();
+    if (open.has(key)) { pairs.push([open.get(key)[0], t, face.map((i) => tet[i])]); open.delete(key); } else open.set(key, [t, f]);
   }));
   return { pairs, boundary: [...open.values()] };
 }
@@ -264,17 +262,14 @@ export function readWaypoints(path) {
   });
 }
 
-/** Share of each layer's area within half a width of a path of the same layer number. */
+/** Share of the layers' area within half a width of a path. */
 export function evaluateCoverage(layers, waypoints) {
-  const grids = new Map();
+  const grid = new Grid(1.0);
   for (let i = 1; i < waypoints.length; ++i) {
     const a = waypoints[i - 1], b = waypoints[i];
     if (b.travel || a.path !== b.path || a.layer !== b.layer) continue;
-    // Half a bead's height: the tip runs on the layer itself.
-    const grid = grids.get('all') ?? grids.set('all', new Grid(1.0)).get('all');
     grid.insert([[a.x, a.y, a.z], [b.x, b.y, b.z]], { a: [a.x, a.y, a.z], b: [b.x, b.y, b.z], r: Math.max(a.width, b.width) / 2, n: [b.nx, b.ny, b.nz] });
   }
-  const grid = grids.get('all');
   let area = 0, covered = 0, beads = 0;
   for (const layer of layers) for (const tri of layer.triangles) {
     const [a, b, c] = tri.map((v) => layer.vertices[v]);
@@ -284,7 +279,8 @@ export function evaluateCoverage(layers, waypoints) {
     for (const s of grid.near(p)) {
       const e = sub(s.b, s.a), t = clamp(dot(sub(p, s.a), e) / (dot(e, e) || 1), 0, 1);
       const off = sub(p, add(s.a, scale(e, t)));
-      if (Math.abs(dot(off, s.n)) < 0.15 && norm(off) <= s.r + 1e-6) { covered += w; break; }
+      if (Math.abs(dot(off, s.n)) < 0.15 && // the tip runs on the layer itself
+        norm(off) <= s.r + 1e-6) { covered += w; break; }
     }
   }
   for (let i = 1; i < waypoints.length; ++i) {
