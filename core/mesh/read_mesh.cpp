@@ -100,6 +100,9 @@ ModelFile read_model(std::span<const std::byte> bytes, std::string_view file_nam
     throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file",
                 std::string(file_name) + " holds no triangles or tets",
                 "Export the model as a mesh, with its faces");
+  if (model.part_names.empty()) model.part_names.emplace_back();
+  if (model.part_of_triangle.empty())
+    model.part_of_triangle.assign(static_cast<std::size_t>(model.surface.triangles.rows()), 0);
   return model;
 }
 

@@ -5,19 +5,25 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "base/error.h"
 #include "base/types.h"
 #include "mesh/tri_mesh.h"
 
 namespace s3 {
 
-/// What a file holds, as it is written there: its own units, axes, orientation and order.
+/// What a file holds, as it is written there: its own axes, orientation and order. Lengths are the
+/// file's too, which count as mm; only formats that name a unit are converted, with a warning.
 struct ModelFile {
   std::string format;      // "stl-ascii", "stl-binary", "obj", "off", "tet", "vtu"
   bool is_volume = false;  // which of the two below is filled
-  TriMesh surface;         // surface formats
-  Points vertices;         // volume formats, in file order
+  TriMesh surface;         // surface formats: the union of all parts, each where the file puts it
+  std::vector<Index> part_of_triangle;  // #F: the part of each triangle; empty for volumes
+  std::vector<std::string> part_names;  // #parts, at least one; "" where the file has no name
+  Points vertices;                      // volume formats, in file order
   Tets tets;  // #T×4 in file order; may be of negative volume (make_tet_mesh turns them)
+  std::vector<Warning> warnings;  // what the reader converted, guessed or left out
 };
 
 /// Reads a model of any known format; the content decides which it is, then the extension.

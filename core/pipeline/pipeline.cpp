@@ -76,6 +76,7 @@ void Pipeline::read_model(Context& ctx) {
                 "give an STL, OBJ, OFF, .tet or VTU file");
   ModelFile file = s3::read_model(model_bytes_, model_name_);
   ctx.checkpoint();
+  for (Warning& warning : file.warnings) ctx.warnings.push_back(std::move(warning));
   artifacts_.model = {file.format, file.is_volume, 0, 0, {}};
   if (file.is_volume) {
     prepare_volume(std::move(file), params_.input, artifacts_, ctx);

@@ -110,6 +110,8 @@ int inspect_command(const std::string& model, bool as_json) {
   Context& ctx = interruptible.context;
   ModelFile file = read_model(read_file(model), model);
   Json json = {{"file", model}, {"format", file.format}, {"is_volume", file.is_volume}};
+  if (file.part_names.size() > 1) json["parts"] = file.part_names;
+  for (Warning& warning : file.warnings) ctx.warnings.push_back(std::move(warning));
   json.update(file.is_volume ? inspect_volume_file(std::move(file), ctx)
                              : inspect_surface_file(std::move(file.surface), ctx));
   Json warnings = Json::array();
