@@ -47,4 +47,7 @@ target_compile_definitions(tetgen PUBLIC TETLIBRARY)
 target_include_directories(tetgen SYSTEM PUBLIC ${s3_tetgen_copy})
 # The exact predicates need plain double arithmetic: no contraction whatever the target offers.
 target_compile_options(tetgen PRIVATE -w -include ${s3_tetgen_guard} -fno-strict-aliasing -ffp-contract=off
-  $<$<BOOL:${S3_MARCH}>:-march=${S3_MARCH}> $<$<BOOL:${S3_SANITIZE}>:-fsanitize=${S3_SANITIZE}>)
+  $<$<BOOL:${S3_MARCH}>:-march=${S3_MARCH}>)
+if(S3_SANITIZE)
+  target_compile_options(tetgen PRIVATE -fsanitize=${S3_SANITIZE} -fno-sanitize-recover=all)
+endif()

@@ -1,24 +1,14 @@
-// Slices the paper's models by both methods and prints the README's table of figures.
+// Slices the paper's models by both methods and prints the README's table of figures; CPU s is the deformation's.
 //   node tests/bench/quality.mjs MODELS_FOLDER [NAME…]
 // MODELS_FOLDER holds the paper's models (ring.tet, topopt.tet, …); NAME picks rows. The programs come from
 // $S3_BUILD, or build/native. Every run stays in out/quality/ for a look.
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { join, resolve } from 'node:path';
+import { jobs, runFlags } from './paper_jobs.mjs';
 
 const models = process.argv[2];
 const build = resolve(process.env.S3_BUILD ?? 'build/native');
-const volume = ['--input.up', 'y'];
-const quality = ['--objectives.support_free', '0.5', '--objectives.surface_quality', '0.5', '--objectives.gamma', '8'];
-
-const jobs = [
-  { name: 'ring', label: 'ring, SF', file: 'ring.tet', flags: [...volume] },
-  { name: 'topopt', label: 'topopt, SF', file: 'topopt.tet', flags: [...volume] },
-  { name: 'ankle', label: 'ankle, SF 0.5 SQ 0.5, γ 8°', file: 'ankle.tet', flags: [...volume, ...quality] },
-  { name: 'bunny', label: 'bunny (197k tets asked), SF 0.5 SQ 0.5, γ 8°', file: 'bunny.off', flags: ['--mesh.target_tets', '197000', ...quality] },
-  { name: 'topopt-sr', label: 'topopt, SF 0.7 SR 0.3', file: 'topopt.tet', stress: 'topopt_stress.csv', flags: [...volume, '--objectives.support_free', '0.7', '--objectives.strength', '0.3'] },
-];
-
 const number = (x, digits) => (x === null || x === undefined ? '–' : x.toFixed(digits));
 const columns = [
   ['model, objectives', (r) => r.label],
@@ -28,6 +18,8 @@ const columns = [
   ['SQ %', (r) => number(r.m.surface_quality_area_percent, 1)],
   ['SR %', (r) => number(r.m.strength_critical_percent, 1)],
   ['Π rad', (r) => number(r.m.pi_rad, 4)],
+  ['iterations', (r) => r.iterations ?? '–'],
+  ['CPU s', (r) => number(r.seconds, 1)],
   ['foldovers', (r) => r.m.foldovers],
   ['gouging', (r) => r.m.gouging_pairs],
   ['concave', (r) => r.m.concave_pairs_over_20deg],
@@ -41,8 +33,7 @@ const columns = [
 function slice(job, method) {
   const outdir = join('out', 'quality', `${job.name}-${method}`);
   mkdirSync(outdir, { recursive: true });
-  const flags = [...job.flags, '--deform.method', method, '--nozzle.diameter', '1'];
-  if (job.stress) flags.push('--strength.stress_file', join(models, job.stress));
+  const flags = [...runFlags(job, models), '--deform.method', method, '--threads', '1'];
   const run = spawnSync(join(build, 's3slice'), ['run', join(models, job.file), '-o', outdir, '--quiet', ...flags], { encoding: 'utf8' });
   if (run.status !== 0) {
     console.error(`${job.name} ${method}: exit ${run.status}\n${run.stderr}`);
@@ -50,7 +41,7 @@ function slice(job, method) {
     return [];
   }
   const report = JSON.parse(readFileSync(join(outdir, 'report.json'), 'utf8'));
-  const rows = [{ label: job.label, method, m: report.curved }];
+  const rows = [{ label: job.label, method, m: report.curved, iterations: report.outer_iterations, seconds: report.cpu_s.outer_loop }];
   if (method === 'refined') rows.unshift({ label: job.label, method: 'planar', m: report.planar });
   return rows;
 }

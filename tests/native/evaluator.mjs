@@ -9,7 +9,7 @@ const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 const scale = (a, s) => [a[0] * s, a[1] * s, a[2] * s];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const norm = (a) => Math.hypot(a[0], a[1], a[2]);
+const norm = (a) => Math.sqrt(dot(a, a));
 const unit = (a) => scale(a, 1 / (norm(a) || 1));
 const sin = (deg) => Math.sin((deg * Math.PI) / 180);
 const degrees = (rad) => (rad * 180) / Math.PI;
@@ -106,7 +106,7 @@ export function evaluateField(path, planar = false) {
     const d = lpd[t], nd = dot(n, d);
     s.area += area;
     const over = degrees(-Math.asin(clamp(nd, -1, 1))) - 45;
-    if (over <= 1e-9) s.sf += area; else { s.violation += area * over; s.worst = Math.max(s.worst, over); }
+    if (over <= 1e-6) s.sf += area; else { s.violation += area * over; s.worst = Math.max(s.worst, over); }
     if (Math.abs(nd) <= sin(10) || Math.abs(nd) >= Math.cos(Math.PI / 18)) s.sq += area;
   }
   let concave20 = 0, gouging = 0, largest = 0;
@@ -146,7 +146,7 @@ export function evaluateField(path, planar = false) {
   };
 }
 
-/** {vertices, normals, thickness, triangles} of a binary little-endian or ASCII PLY. */
+/** {layer, vertices, normals, thickness, triangles} of a binary little-endian PLY. */
 export function readPly(path) {
   const bytes = readFileSync(path);
   const end = bytes.indexOf('end_header') + 11;
@@ -176,27 +176,27 @@ export function readPly(path) {
   }
   const vertices = Array.from({ length: counts.vertex }, (_, v) => [columns.x[v], columns.y[v], columns.z[v]]);
   const normals = Array.from({ length: counts.vertex }, (_, v) => [columns.nx[v], columns.ny[v], columns.nz[v]]);
-  return { vertices, normals, thickness: columns.thickness, triangles };
+  const layer = Number(/^comment layer (\d+)/m.exec(lines.join('\n'))[1]);
+  return { layer, vertices, normals, thickness: columns.thickness, triangles };
 }
 
-function pointTriangle(p, a, b, c) {
-  const ab = sub(b, a), ac = sub(c, a), ap = sub(p, a);
-  const d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return norm(ap);
-  const bp = sub(p, b), d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return norm(bp);
-  const vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return norm(sub(p, add(a, scale(ab, d1 / (d1 - d3)))));
-  const cp = sub(p, c), d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return norm(cp);
-  const vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return norm(sub(p, add(a, scale(ac, d2 / (d2 - d6)))));
-  const va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return norm(sub(p, add(b, scale(sub(c, b), (d4 - d3) / (d4 - d3 + d5 - d6)))));
-  return Math.abs(dot(ap, unit(cross(ab, ac))));
+/** Squared distance of the point x y z from triangle t of an array of nine numbers each: a, b − a, c − a. */
+function pointTriangle2(x, y, z, T, t) {
+  const o = 9 * t;
+  const px = x - T[o], py = y - T[o + 1], pz = z - T[o + 2];
+  const ux = T[o + 3], uy = T[o + 4], uz = T[o + 5], vx = T[o + 6], vy = T[o + 7], vz = T[o + 8];
+  const uu = ux * ux + uy * uy + uz * uz, uv = ux * vx + uy * vy + uz * vz, vv = vx * vx + vy * vy + vz * vz;
+  const pu = px * ux + py * uy + pz * uz, pv = px * vx + py * vy + pz * vz, pp = px * px + py * py + pz * pz;
+  const D = uu * vv - uv * uv, s = (vv * pu - uv * pv) / D, r = (uu * pv - uv * pu) / D;
+  // |p − s u − r v|² as a quadratic form: inside, or the least of the three edges.
+  const at = (i, j) => pp - 2 * (i * pu + j * pv) + i * i * uu + 2 * i * j * uv + j * j * vv;
+  if (s >= 0 && r >= 0 && s + r <= 1) return Math.max(0, at(s, r));
+  const on = (n, d) => (d > 0 ? clamp(n / d, 0, 1) : 0);
+  const k = on(pv - pu + uu - uv, uu - 2 * uv + vv);
+  return Math.max(0, Math.min(at(on(pu, uu), 0), at(0, on(pv, vv)), at(1 - k, k)));
 }
 
-/** A hash grid over triangles or segments, for the nearest within one cell. */
+/** A hash grid over boxes, for what is nearer than one cell. */
 class Grid {
   constructor(cell) { this.cell = cell; this.cells = new Map(); }
   key(i, j, k) { return ((i + 4096) * 8192 + (j + 4096)) * 8192 + (k + 4096); }
@@ -209,48 +209,78 @@ class Grid {
       if (list) list.push(item); else this.cells.set(key, [item]);
     }
   }
-  *near(p) {
-    const c = p.map((x) => Math.floor(x / this.cell));
+  /** The lists of items around p; an item may be in several. */
+  near(p) {
+    const x = Math.floor(p[0] / this.cell), y = Math.floor(p[1] / this.cell), z = Math.floor(p[2] / this.cell);
+    const lists = [];
     for (let i = -1; i <= 1; ++i) for (let j = -1; j <= 1; ++j) for (let k = -1; k <= 1; ++k) {
-      const list = this.cells.get(this.key(c[0] + i, c[1] + j, c[2] + k));
-      if (list) yield* list;
+      const list = this.cells.get(this.key(x + i, y + j, z + k));
+      if (list) lists.push(list);
     }
+    return lists;
   }
 }
 
+/** The layer pieces of an output folder in print order. */
 export function readLayers(outdir) {
   const folder = join(outdir, 'layers');
   return readdirSync(folder).filter((n) => n.endsWith('.ply')).sort().map((n) => readPly(join(folder, n)));
 }
 
-/** Distance of points of every layer to all earlier layers and the plate, against [min, max]. */
-export function evaluateThickness(layers, min, max, every = 1) {
-  const grid = new Grid(1.25 * max);
-  let area = 0, outside = 0, unsupported = 0, declared = 0;
-  const all = [];
+const triangleArea = (a, b, c) => norm(cross(sub(b, a), sub(c, a))) / 2;
+const mix = (a, b, c, [u, v, w]) => [0, 1, 2].map((i) => u * a[i] + v * b[i] + w * c[i]);
+
+/**
+ * Distance of every layer to the plate and to what was printed before it, of other isosurfaces, against [min, max].
+ * Four points a triangle: its middle, and one near each corner.
+ */
+export function evaluateThickness(layers, min, max) {
+  const reach = 1.25 * max, grid = new Grid(reach);
+  const count = layers.reduce((n, layer) => n + layer.triangles.length, 0);
+  const T = new Float64Array(9 * count), middle = new Float64Array(4 * count), layerOf = new Int32Array(count);
+  const nearest = (p, layer) => {
+    let best = Math.min(p[2], reach);
+    for (const list of grid.near(p)) for (const t of list) {
+      if (layerOf[t] === layer) continue;
+      const x = p[0] - middle[4 * t], y = p[1] - middle[4 * t + 1], z = p[2] - middle[4 * t + 2], r = best + middle[4 * t + 3];
+      if (x * x + y * y + z * z >= r * r) continue;
+      best = Math.min(best, Math.sqrt(pointTriangle2(p[0], p[1], p[2], T, t)));
+    }
+    return best;
+  };
+  let area = 0, thin = 0, thick = 0, declared = 0, next = 0;
+  const all = [], places = [];
   for (const layer of layers) {
-    layer.triangles.forEach((tri, f) => {
+    for (const tri of layer.triangles) {
       const [a, b, c] = tri.map((v) => layer.vertices[v]);
-      const w = norm(cross(sub(b, a), sub(c, a))) / 2;
-      if (f % every) return;
-      for (const bary of [[1 / 3, 1 / 3, 1 / 3], [0.9, 0.05, 0.05], [0.05, 0.9, 0.05], [0.05, 0.05, 0.9]]) {
-        const p = add(add(scale(a, bary[0]), scale(b, bary[1])), scale(c, bary[2]));
-        let d = p[2];
-        for (const t of grid.near(p)) d = Math.min(d, pointTriangle(p, ...t));
-        area += w / 4;
+      const w = triangleArea(a, b, c) / 4;
+      for (const weights of [[1 / 3, 1 / 3, 1 / 3], [0.9, 0.05, 0.05], [0.05, 0.9, 0.05], [0.05, 0.05, 0.9]]) {
+        const p = mix(a, b, c, weights), d = nearest(p, layer.layer);
+        area += w;
         all.push([d, w]);
-        if (d > 1.2 * max) unsupported += w / 4;
-        if (d < min - 1e-6 || d > max + 1e-6) outside += w / 4;
-        const t = tri.reduce((m, v, i) => m + layer.thickness[v] * bary[i], 0);
-        declared = Math.max(declared, d < 1.2 * max ? Math.abs(t - d) : 0);
+        if (d < min - 1e-6) thin += w;
+        if (d > max + 1e-6) thick += w;
+        if (d < min - 1e-6 || d > max + 1e-6) places.push({ d, at: p, layer: layer.layer });
+        const said = tri.reduce((m, v, i) => m + layer.thickness[v] * weights[i], 0);
+        if (d < max) declared = Math.max(declared, Math.abs(said - d));
       }
-    });
-    for (const tri of layer.triangles) { const p = tri.map((v) => layer.vertices[v]); grid.insert(p, p); }
+    }
+    for (const tri of layer.triangles) {
+      const [a, b, c] = tri.map((v) => layer.vertices[v]);
+      const m = scale(add(add(a, b), c), 1 / 3), t = next++;
+      T.set([...a, ...sub(b, a), ...sub(c, a)], 9 * t);
+      middle.set([...m, Math.max(norm(sub(a, m)), norm(sub(b, m)), norm(sub(c, m))) + 1e-9], 4 * t);
+      layerOf[t] = layer.layer;
+      grid.insert([a, b, c], t);
+    }
   }
   all.sort((x, y) => x[0] - y[0]);
-  const total = all.reduce((m, x) => m + x[1], 0);
-  const quantile = (q) => { let m = 0; for (const [d, w] of all) { m += w; if (m >= q * total) return d; } return all.at(-1)?.[0]; };
-  return { area, min: all[0]?.[0], p1: quantile(0.01), p50: quantile(0.5), p99: quantile(0.99), max: all.at(-1)?.[0], outside_percent: (100 * outside) / area, unsupported_mm2: unsupported, largest_declared_difference: declared };
+  const quantile = (q) => { let m = 0; for (const [d, w] of all) { m += w; if (m >= q * area) return d; } return all.at(-1)?.[0]; };
+  return {
+    area, min: all[0]?.[0], p1: quantile(0.01), p50: quantile(0.5), p99: quantile(0.99), max: all.at(-1)?.[0],
+    outside_percent: (100 * (thin + thick)) / area, thin_percent: (100 * thin) / area, thick_percent: (100 * thick) / area,
+    largest_declared_difference: declared, worst: places.sort((x, y) => Math.max(min - y.d, y.d - max) - Math.max(min - x.d, x.d - max)).slice(0, 5),
+  };
 }
 
 export function readWaypoints(path) {
@@ -262,44 +292,141 @@ export function readWaypoints(path) {
   });
 }
 
-/** Share of the layers' area within half a width of a path. */
-export function evaluateCoverage(layers, waypoints) {
-  const grid = new Grid(1.0);
+/** The extruded stretches between waypoints, by isosurface; their places along the path, and which paths are closed. */
+function beadsByLayer(waypoints) {
+  const beads = new Map(), length = new Map();
+  let along = 0, first = 0; // the waypoint at which the path begins, after its travel
   for (let i = 1; i < waypoints.length; ++i) {
-    const a = waypoints[i - 1], b = waypoints[i];
-    if (b.travel || a.path !== b.path || a.layer !== b.layer) continue;
-    grid.insert([[a.x, a.y, a.z], [b.x, b.y, b.z]], { a: [a.x, a.y, a.z], b: [b.x, b.y, b.z], r: Math.max(a.width, b.width) / 2, n: [b.nx, b.ny, b.nz] });
+    const p = waypoints[i - 1], q = waypoints[i];
+    if (q.travel || q.path !== p.path) { along = 0; first = i; continue; }
+    const a = [p.x, p.y, p.z], b = [q.x, q.y, q.z], size = norm(sub(b, a));
+    if (!beads.has(q.layer)) beads.set(q.layer, []);
+    beads.get(q.layer).push({ a, e: sub(b, a), size, wa: p.width, wb: q.width, from: along, path: q.path });
+    along += size;
+    const start = waypoints[first];
+    length.set(q.path, Math.hypot(q.x - start.x, q.y - start.y, q.z - start.z) < 1e-4 ? along : Infinity);
   }
-  let area = 0, covered = 0, beads = 0;
-  for (const layer of layers) for (const tri of layer.triangles) {
-    const [a, b, c] = tri.map((v) => layer.vertices[v]);
-    const w = norm(cross(sub(b, a), sub(c, a))) / 2;
-    const p = scale(add(add(a, b), c), 1 / 3);
-    area += w;
-    for (const s of grid.near(p)) {
-      const e = sub(s.b, s.a), t = clamp(dot(sub(p, s.a), e) / (dot(e, e) || 1), 0, 1);
-      const off = sub(p, add(s.a, scale(e, t)));
-      if (Math.abs(dot(off, s.n)) < 0.15 && // the tip runs on the layer itself
-        norm(off) <= s.r + 1e-6) { covered += w; break; }
-    }
-  }
-  for (let i = 1; i < waypoints.length; ++i) {
-    const a = waypoints[i - 1], b = waypoints[i];
-    if (!b.travel && a.path === b.path) beads += Math.hypot(b.x - a.x, b.y - a.y, b.z - a.z) * 0.5 * (a.width + b.width);
-  }
-  return { area, coverage_percent: (100 * covered) / area, bead_area_over_layer_area: beads / area };
+  return { beads, length };
 }
 
-if (import.meta.url === pathToFileURL(process.argv[1]).href) {
-  const outdir = process.argv[2];
-  const job = JSON.parse(readFileSync(join(outdir, 'job.json'), 'utf8'));
-  const report = JSON.parse(readFileSync(join(outdir, 'report.json'), 'utf8'));
-  const nozzle = job.nozzle?.diameter ?? 1;
-  const min = job.layers?.min_thickness || 0.4 * nozzle, max = job.layers?.max_thickness || nozzle;
-  console.log('curved', evaluateField(join(outdir, 'fields.vtu')));
-  console.log('planar', evaluateField(join(outdir, 'fields.vtu'), true));
+/** How many separate stretches of path touch a point: [{path, at}], at in mm along the path. */
+function countStrands(touching, length, gap) {
+  touching.sort((p, q) => p.path - q.path || p.at - q.at);
+  let strands = 0;
+  for (let i = 0; i < touching.length;) {
+    let j = i + 1, own = 1;
+    for (; j < touching.length && touching[j].path === touching[i].path; ++j) if (touching[j].at - touching[j - 1].at > gap) ++own;
+    if (own > 1 && touching[i].at + length.get(touching[i].path) - touching[j - 1].at <= gap) --own;
+    strands += own;
+    i = j;
+  }
+  return strands;
+}
+
+/** About `count` points spread evenly over the pieces of layers: [{p, piece}], all of the same area. */
+function spreadPoints(layers, count) {
+  const total = layers.reduce((m, l) => l.triangles.reduce((n, t) => n + triangleArea(...t.map((v) => l.vertices[v])), m), 0);
+  const step = total / count, points = [];
+  let reached = 0, next = 0.5 * step, k = 0;
+  layers.forEach((layer, piece) => {
+    for (const tri of layer.triangles) {
+      const [a, b, c] = tri.map((v) => layer.vertices[v]);
+      for (reached += triangleArea(a, b, c); next < reached; next += step) {
+        // A low-discrepancy sequence in the unit square, folded into the triangle.
+        let u = (++k * 0.7548776662466927) % 1, v = (k * 0.5698402909980532) % 1;
+        if (u + v > 1) { u = 1 - u; v = 1 - v; }
+        points.push({ p: mix(a, b, c, [1 - u - v, u, v]), piece });
+      }
+    }
+  });
+  return { points, step };
+}
+
+/** Distance of p from the segment a to a + e, and where along it, 0 to 1, the nearest point is. */
+function fromSegment(p, a, e) {
+  const x = p[0] - a[0], y = p[1] - a[1], z = p[2] - a[2];
+  const t = clamp((x * e[0] + y * e[1] + z * e[2]) / (dot(e, e) || 1), 0, 1);
+  const u = x - t * e[0], v = y - t * e[1], w = z - t * e[2];
+  return { off: Math.sqrt(u * u + v * v + w * w), t };
+}
+
+/** Distance from the rim of one piece, known up to `reach`. */
+function rimDistance(layer, reach) {
+  const seen = new Map();
+  for (const tri of layer.triangles) tri.forEach((v, i) => {
+    const w = tri[(i + 1) % 3], key = v < w ? v * layer.vertices.length + w : w * layer.vertices.length + v;
+    seen.set(key, seen.has(key) ? null : [v, w]);
+  });
+  const grid = new Grid(reach);
+  for (const edge of seen.values()) if (edge) { const [a, b] = edge.map((v) => layer.vertices[v]); grid.insert([a, b], { a, e: sub(b, a) }); }
+  return (p) => {
+    let best = reach;
+    for (const list of grid.near(p)) for (const { a, e } of list) best = Math.min(best, fromSegment(p, a, e).off);
+    return best;
+  };
+}
+
+/**
+ * Share of the layers' area within half a bead of a path, and, where the layer is wider than two beads (in a disc of
+ * the bead's width as radius that stays inside the rim), the share laid more than once; laid three times counts twice.
+ */
+export function evaluateCoverage(layers, waypoints, width, count = 100000) {
+  const { beads, length } = beadsByLayer(waypoints);
+  const widest = waypoints.reduce((m, w) => Math.max(m, w.width), width), sliver = 0.002 * width;
+  const { points, step } = spreadPoints(layers, count);
+  let covered = 0, wide = 0, overlap = 0, at = 0, grid, gridLayer;
+  for (let piece = 0; piece < layers.length; ++piece) {
+    const layer = layers[piece], begin = at;
+    while (at < points.length && points[at].piece === piece) ++at;
+    const own = points.slice(begin, at);
+    if (own.length === 0) continue;
+    if (gridLayer !== layer.layer) {
+      gridLayer = layer.layer;
+      grid = new Grid(widest / 2 + sliver);
+      for (const s of beads.get(gridLayer) ?? []) grid.insert([s.a, add(s.a, s.e)], s);
+    }
+    const reach = 1.5 * width, rim = rimDistance(layer, reach), discs = new Grid(reach);
+    for (const q of layer.vertices) { const d = rim(q); if (d >= width) discs.insert([q], { q, d }); }
+    for (const { p } of own) {
+      const touching = [];
+      let hit = false;
+      for (const s of new Set(grid.near(p).flat())) {
+        const { off, t } = fromSegment(p, s.a, s.e), half = 0.5 * ((1 - t) * s.wa + t * s.wb);
+        if (off <= half + sliver) hit = true;
+        if (off <= half - sliver) touching.push({ path: s.path, at: s.from + t * s.size });
+      }
+      if (hit) ++covered;
+      if (rim(p) < width && !discs.near(p).some((list) => list.some(({ q, d }) => norm(sub(p, q)) <= d))) continue;
+      ++wide;
+      if (touching.length > 1) overlap += Math.max(0, countStrands(touching, length, 1.5 * width) - 1);
+    }
+  }
+  const path = [...beads.values()].flat().reduce((m, s) => m + s.size, 0);
+  return {
+    area: step * points.length, coverage_percent: (100 * covered) / points.length, wide_percent: (100 * wide) / points.length,
+    overlap_percent: (100 * overlap) / wide, path_length_mm: path,
+  };
+}
+
+/** Everything about a finished run: {job, report, field, thickness, coverage}. */
+export function evaluate(outdir) {
+  const [job, report] = ['job.json', 'report.json'].map((name) => JSON.parse(readFileSync(join(outdir, name), 'utf8')));
+  const nozzle = job.nozzle.diameter;
+  const min = job.layers.min_thickness || 0.4 * nozzle, max = job.layers.max_thickness || nozzle;
   const layers = readLayers(outdir);
-  console.log('layers', layers.length, evaluateThickness(layers, min, max));
-  if (existsSync(join(outdir, 'waypoints.csv'))) console.log(evaluateCoverage(layers, readWaypoints(join(outdir, 'waypoints.csv'))));
-  console.log('report', report.curved);
+  return {
+    job, report,
+    field: evaluateField(join(outdir, 'fields.vtu')),
+    thickness: evaluateThickness(layers, min, max),
+    coverage: evaluateCoverage(layers, readWaypoints(join(outdir, 'waypoints.csv')), job.toolpath.width || nozzle),
+  };
+}
+
+if (process.argv[1] && import.meta.url === pathToFileURL(process.argv[1]).href) {
+  const outdir = process.argv[2];
+  if (existsSync(join(outdir, 'waypoints.csv'))) {
+    const { report, field, thickness, coverage } = evaluate(outdir);
+    console.log('curved', field, '\nthickness', thickness, '\ncoverage', coverage, '\nreport', report.curved);
+  } else console.log('curved', evaluateField(join(outdir, 'fields.vtu')));
+  console.log('planar', evaluateField(join(outdir, 'fields.vtu'), true));
 }
