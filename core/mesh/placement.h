@@ -2,8 +2,11 @@
 // (Sec. 5.4.4).
 #pragma once
 #include <string>
+#include <vector>
 
+#include "base/context.h"
 #include "base/types.h"
+#include "mesh/orientation.h"
 #include "params/param_info.h"
 
 namespace s3 {
@@ -11,7 +14,7 @@ namespace s3 {
 struct InputParams {
   std::string up = "z";          // the file's up axis
   double scale = 1;              // file units to mm
-  std::string rotate = "0,0,0";  // Euler degrees "x,y,z", or "auto"
+  std::string rotate = "0,0,0";  // Euler degrees "x,y,z", "flat" or "auto"
 };
 
 template <class Visitor>
@@ -32,29 +35,27 @@ void describe(Visitor& v, InputParams& p) {
   v(p.rotate, ParamInfo{.key = "input.rotate",
                         .label = "Rotation",
                         .unit = "deg",
-                        .doc = "Turns by x, then y, then z about the fixed axes (\"90,0,45\"), or "
-                               "\"auto\" for the least "
-                               "overhang.",
+                        .doc = "Turns by x, then y, then z about the fixed axes (\"90,0,45\"), "
+                               "\"flat\" to lay the largest flat face down, or \"auto\" for the "
+                               "least overhang and support.",
                         .stage = Stage::mesh});
 }
 
 /// From the file's frame (mm after scaling) to the printer's: up axis, scale, rotation, then a
 /// shift along z that puts the lowest vertex at z = 0. x and y are not shifted, so that fields stay
 /// comparable with the input. Directions turn with `.rotation()`.
-/// @param vertices  #V×3, not empty
-/// @param surface   #F×3 outward triangles into vertices; read for "auto" only
-/// @throws Error "mesh.bad_placement" for parameters that mean nothing
+/// @param vertices      #V×3, not empty
+/// @param surface       #F×3 outward triangles into vertices; read for "flat" and "auto" only
+/// @param orientations  may be null; gets what rank_orientations() found for "flat" and "auto"
+///                      (the first was taken), nothing otherwise
+/// @param ctx           may be null; asked for a cancel on the way
+/// @throws Error "mesh.bad_placement" for parameters that mean nothing, "mesh.no_flat_face"
 Eigen::Affine3d placement(const Points& vertices, const Triangles& surface,
-                          const InputParams& params);
+                          const InputParams& params,
+                          std::vector<Orientation>* orientations = nullptr,
+                          const Context* ctx = nullptr);
 
 /// Moves all points.
 void transform_points(const Eigen::Affine3d& transform, Points& points);
-
-/// The direction of the model that should point up so that the least area overhangs by more than
-/// 45° (n_z < −sin 45°) without lying on the plate; about equal ones are told apart by the larger
-/// contact with the plate, then by the lower height. Candidates: up as it is, every large flat
-/// region laid on the plate, an even sampling of the sphere, and steps around the best. Linear time
-/// per candidate, a few hundred candidates. Deterministic.
-Vec3 best_up_direction(const Points& vertices, const Triangles& surface);
 
 }  // namespace s3

@@ -7,6 +7,7 @@
 #include "export/fields_vtu.h"
 #include "fea/stress.h"
 #include "layers/layer.h"
+#include "mesh/orientation.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/tri_mesh.h"
 #include "metrics/histograms.h"
@@ -26,6 +27,7 @@ struct ModelInfo {
   Index triangles = 0;  // of the surface as the file gives it (of a volume: its boundary)
   double volume = 0;    // mm³
   std::vector<std::string> repairs;
+  std::vector<Orientation> orientations;  // of a search, best first; the first was taken
 };
 
 /// What is printed, from the field's layers to the machine.

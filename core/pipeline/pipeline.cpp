@@ -77,7 +77,9 @@ void Pipeline::read_model(Context& ctx) {
   ModelFile file = s3::read_model(model_bytes_, model_name_);
   ctx.checkpoint();
   for (Warning& warning : file.warnings) ctx.warnings.push_back(std::move(warning));
-  artifacts_.model = {file.format, file.is_volume, 0, 0, {}};
+  artifacts_.model = {};
+  artifacts_.model.format = file.format;
+  artifacts_.model.is_volume = file.is_volume;
   if (file.is_volume) {
     prepare_volume(std::move(file), params_.input, artifacts_, ctx);
   } else {

@@ -20,7 +20,8 @@ std::vector<Index> inverse(const std::vector<Index>& order) {
 
 void prepare_volume(ModelFile file, const InputParams& params, Artifacts& artifacts, Context& ctx) {
   TetMesh mesh = make_tet_mesh(std::move(file.vertices), std::move(file.tets));
-  artifacts.placement = placement(mesh.vertices, mesh.boundary_faces, params);
+  artifacts.placement =
+      placement(mesh.vertices, mesh.boundary_faces, params, &artifacts.model.orientations, &ctx);
   transform_points(artifacts.placement, mesh.vertices);
   std::vector<Index> vertex_order, tet_order;
   artifacts.rest = reorder_along_morton(mesh, &vertex_order, &tet_order);
@@ -37,7 +38,8 @@ void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artif
   artifacts.model.triangles = static_cast<Index>(surface.triangles.rows());
   artifacts.model.repairs = clean_surface(surface);
   require_valid_surface(inspect_surface(surface, &ctx));
-  artifacts.placement = placement(surface.vertices, surface.triangles, params);
+  artifacts.placement =
+      placement(surface.vertices, surface.triangles, params, &artifacts.model.orientations, &ctx);
   transform_points(artifacts.placement, surface.vertices);
   warn_about_units(bounding_box(surface.vertices), ctx);
   artifacts.model.volume = enclosed_volume(surface);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/units.h"
+#include "mesh/orientation_json.h"
 #include "metrics/metrics_json.h"
 #include "pipeline/outputs.h"
 #include "tetrahedralize/quality.h"
@@ -17,7 +18,8 @@ Json input_json(const Pipeline& pipeline, const std::string& file) {
   return {{"file", file},
           {"triangles", model.triangles},
           {"volume_mm3", model.volume},
-          {"repairs", model.repairs}};
+          {"repairs", model.repairs},
+          {"orientations", to_json(model.orientations)}};
 }
 
 Json mesh_json(const Pipeline& pipeline) {

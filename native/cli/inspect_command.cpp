@@ -6,6 +6,7 @@
 #include "base/units.h"
 #include "commands.h"
 #include "files.h"
+#include "mesh/orientation_json.h"
 #include "mesh/read_mesh.h"
 #include "mesh/validate.h"
 #include "tetrahedralize/quality.h"
@@ -65,6 +66,7 @@ Json inspect_surface_file(TriMesh surface, Context& ctx) {
   json["repairs"] = repairs;
   json["valid_after_repair"] =
       repairs.empty() ? json["valid"] : Json(inspect_surface(surface, &ctx).valid());
+  json["orientations"] = orientations_json(surface, ctx);
   return json;
 }
 
@@ -81,14 +83,35 @@ Json inspect_volume_file(ModelFile file, Context& ctx) {
                {"volume_mm3", enclosed_volume(surface)},
                {"min_dihedral_deg", degrees(quality.min_dihedral)},
                {"max_dihedral_deg", degrees(quality.max_dihedral)},
-               {"tets_below_10_deg", quality.tets_below_10_deg}});
+               {"tets_below_10_deg", quality.tets_below_10_deg},
+               {"orientations", orientations_json(surface, ctx)}});
   return json;
+}
+
+Json orientations_json(const TriMesh& surface, Context& ctx) {
+  constexpr std::size_t kListed = 5;
+  if (surface.triangles.rows() == 0) return Json::array();
+  return to_json(rank_orientations(surface.vertices, surface.triangles,
+                                   OrientationGoal::least_support, kListed, &ctx));
+}
+
+void print_orientations(const Json& orientations) {
+  std::printf("%-22s overhang mm2  support mm3  contact mm2  height mm  stable\n", "input.rotate");
+  for (const Json& o : orientations) {
+    const auto number = [&](const char* key) { return o[key].get<double>(); };
+    std::printf("  %-20s %12.1f %12.1f %12.1f %10.2f  %s\n", o["rotate"].get<std::string>().c_str(),
+                number("overhang_area_mm2"), number("support_volume_mm3"),
+                number("contact_area_mm2"), number("height_mm"),
+                o["stable"].get<bool>() ? "yes" : "no");
+  }
 }
 
 void print_text(const Json& json) {
   for (const auto& [key, value] : json.items()) {
     if (key == "shells") {
       std::printf("%-22s %zu\n", key.c_str(), value.size());
+    } else if (key == "orientations") {
+      print_orientations(value);
     } else if (value.is_object() && value.contains("count")) {
       std::printf("%-22s %s", key.c_str(), value["count"].dump().c_str());
       if (!value["where"].empty()) std::printf("  first at %s", value["where"][0].dump().c_str());

@@ -20,20 +20,6 @@ TriMesh turned(TriMesh mesh, const Eigen::AngleAxisd& rotation) {
   return mesh;
 }
 
-// A table: a 10×10×1 plate on a 2×2×8 leg, upside up.
-TriMesh table() {
-  TetMesh grid = test::make_grid(5, 5, 9, Vec3(10, 10, 9));
-  Tets kept(grid.tets.rows(), 4);
-  Eigen::Index count = 0;
-  for (Index t = 0; t < grid.tet_count(); ++t) {
-    const Vec3 c = grid.centroid(t);
-    if (c.z() > 8 || (c.x() > 4 && c.x() < 6 && c.y() > 4 && c.y() < 6))
-      kept.row(count++) = grid.tets.row(t);
-  }
-  kept.conservativeResize(count, 4);
-  return boundary_surface(make_tet_mesh(grid.vertices, kept));
-}
-
 }  // namespace
 
 TEST_CASE("y-up files are turned as the authors' models ask, and stand on the plate") {
@@ -76,15 +62,33 @@ TEST_CASE("a tilted box is laid on its largest side") {
   CHECK(t.linear().determinant() == doctest::Approx(1));
 }
 
-TEST_CASE("a table is put upside down") {
-  const TriMesh mesh = table();
-  CHECK((best_up_direction(mesh.vertices, mesh.triangles) + Vec3::UnitZ()).norm() < 1e-6);
-  const TriMesh tilted = turned(mesh, Eigen::AngleAxisd(2, Vec3(1, -1, 0.3).normalized()));
-  const Vec3 expected = Eigen::AngleAxisd(2, Vec3(1, -1, 0.3).normalized()) * -Vec3::UnitZ();
-  CHECK((best_up_direction(tilted.vertices, tilted.triangles) - expected).norm() < 1e-3);
-}
-
 TEST_CASE("a model that stands well is left as it is") {
   const TriMesh mesh = box(Vec3(10, 20, 3));
   CHECK(placement(mesh.vertices, mesh.triangles, {.rotate = "auto"}).linear() == Mat3::Identity());
+}
+
+TEST_CASE("a search tells what it found, and its first rotation can be written instead") {
+  const TriMesh mesh =
+      turned(box(Vec3(10, 20, 3)), Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  for (const char* rotate : {"auto", "flat"}) {
+    std::vector<Orientation> found;
+    const Eigen::Affine3d t = placement(mesh.vertices, mesh.triangles, {.rotate = rotate}, &found);
+    REQUIRE(!found.empty());
+    const Eigen::Affine3d written =
+        placement(mesh.vertices, mesh.triangles, {.rotate = found.front().rotate}, &found);
+    CHECK(t.matrix() == written.matrix());
+    CHECK(found.empty());
+  }
+}
+
+TEST_CASE("nothing flat, nothing to lay down") {
+  Points p(3, 3);
+  p << 0, 0, 0, 1, 0, 0, 0, 1, 0;
+  const Triangles none(0, 3);
+  try {
+    placement(p, none, {.rotate = "flat"});
+    FAIL("no error");
+  } catch (const Error& error) {
+    CHECK(error.code == "mesh.no_flat_face");
+  }
 }
