@@ -32,7 +32,7 @@ constexpr double kEqualCost = 0.01;
 constexpr double kEqualContact = 0.02;  // of the largest
 constexpr double kEqualHeight = 0.01;   // of the least
 constexpr std::size_t kRoughSamples = 4096, kFineSamples = 32768;
-constexpr std::size_t kFinalists = 24;
+constexpr std::size_t kRefined = 5, kFinalists = 24;
 // Normals of exact 45° slopes come with single-precision noise.
 constexpr double kOverhang = std::numbers::sqrt2 / 2 + 1e-5;
 
@@ -91,7 +91,7 @@ class Body {
   Orientation figures(const Vec3& up, bool fine) const;
   double cost(const Orientation& o) const {
     return o.overhang_area / total_area_ + kSupportDensity * o.support_volume / volume_scale_ +
-           (o.stable ? 0 : kTippingCost);
+           kTippingCost * std::max(0.0, 1 - o.tipping_deg / kStableTipping);
   }
 
  private:
@@ -355,17 +355,27 @@ std::vector<Candidate> distinct_best(std::vector<Candidate> set, OrientationGoal
   return best;
 }
 
-// Directions from which the model can be looked for, in the order in which ties are decided.
+// Directions in the order in which ties are decided.
 void find_candidates(const Body& body, OrientationGoal goal, Search& search) {
   search.consider(Vec3::UnitZ());
   for (const Vec3& normal : flat_normals(body)) search.consider(-normal);
-  for (int i = 0; i < kDrops; ++i)
-    if (const std::optional<Vec3> up =
-            resting_pose(body.vertices(), body.center_of_mass(), sphere_point(i, kDrops)))
+  const auto drop = [&](const Vec3& from) {
+    if (const auto up = resting_pose(body.vertices(), body.center_of_mass(), from))
       search.consider(*up);
+  };
+  for (int i = 0; i < kDrops; ++i) drop(sphere_point(i, kDrops));
+  // Models are often modelled along axes.
+  for (const double sign : {1.0, -1.0})
+    for (int axis = 0; axis < 3; ++axis) {
+      drop(sign * Vec3::Unit(axis));
+      search.consider(sign * Vec3::Unit(axis));
+    }
   if (goal == OrientationGoal::flat_face) return;
   for (int i = 0; i < kSphereCandidates; ++i) search.consider(sphere_point(i, kSphereCandidates));
-  for (const Candidate& c : distinct_best(search.candidates, goal, 3)) search.refine(c.order);
+  for (const Candidate& c : distinct_best(search.candidates, goal, kRefined)) {
+    search.refine(c.order);
+    drop(c.figures.up);
+  }
 }
 
 }  // namespace

@@ -35,14 +35,14 @@ enum class OrientationGoal {
 /// The best ways to stand, best first; any two differ by at least 10° in what points up.
 ///
 /// Candidates are up as it is, the large flat regions laid on the plate, the poses in which the
-/// model comes to rest, an even covering of the sphere, and steps around the best of these.
+/// model comes to rest, its axes, an even covering of the sphere, and steps around the best.
 ///
 /// least_support: the cost is overhang area / surface area + 0.2 · support volume / model volume
-/// (support is printed sparse, so 0.2 of its space is material), and 0.25 more when the model would
-/// fall over. Of candidates within 0.01 of the least cost the one with the largest contact goes
-/// first, then the lowest, then the first in the order above.
-/// flat_face: only candidates that touch the plate with a face; stable ones before others, then the
-/// largest contact; within 2 % of it the least cost.
+/// (support is printed sparse, so 0.2 of its space is material), and up to 0.25 more the less it
+/// takes to tip the model over: 0.25 where it falls by itself, 0 where it is stable. Of candidates
+/// within 0.01 of the least cost the one with the largest contact goes first, then the lowest, then
+/// the first in the order above. flat_face: only candidates that touch the plate with a face;
+/// stable ones before others, then the largest contact; within 2 % of it the least cost.
 ///
 /// Deterministic. About 300 candidates, each in linear time with a small constant: the support
 /// volume comes from 4096 points (the last comparison: 32768).

@@ -59,6 +59,13 @@ Json surface_json(const MeshReport& report) {
   return json;
 }
 
+Json orientations_json(const TriMesh& surface, Context& ctx) {
+  constexpr std::size_t kListed = 5;
+  if (surface.triangles.rows() == 0) return Json::array();
+  return to_json(rank_orientations(surface.vertices, surface.triangles,
+                                   OrientationGoal::least_support, kListed, &ctx));
+}
+
 Json inspect_surface_file(TriMesh surface, Context& ctx) {
   Json json = surface_json(inspect_surface(surface, &ctx));
   warn_about_units(bounding_box(surface.vertices), ctx);
@@ -86,13 +93,6 @@ Json inspect_volume_file(ModelFile file, Context& ctx) {
                {"tets_below_10_deg", quality.tets_below_10_deg},
                {"orientations", orientations_json(surface, ctx)}});
   return json;
-}
-
-Json orientations_json(const TriMesh& surface, Context& ctx) {
-  constexpr std::size_t kListed = 5;
-  if (surface.triangles.rows() == 0) return Json::array();
-  return to_json(rank_orientations(surface.vertices, surface.triangles,
-                                   OrientationGoal::least_support, kListed, &ctx));
 }
 
 void print_orientations(const Json& orientations) {
