@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
@@ -15,6 +17,7 @@
 #include "layers/layer_distance.h"
 #include "layers/layer_parts.h"
 #include "layers/remesh.h"
+#include "layers/trim_to_range.h"
 
 namespace s3 {
 namespace {
@@ -45,32 +48,21 @@ constexpr double kReserve = 0.02;
 // below the limit.
 constexpr double kTargetWindow = 0.06;
 constexpr int kMaxProbes = 7;
-// The distances are searched for up to this multiple of d_max: what is farther is in the air.
-constexpr double kSearchFactor = 4;
 // Thickness from G is off by that much near jumps of ∇G; a rim is given up only beyond it.
 constexpr double kEstimateSlack = 1.3;
-
-// Distances of a surface's vertices to the material.
-struct Measured {
-  Values thickness;          // #V mm
-  std::vector<Index> below;  // #V: the component that the nearest point belongs to, or the plate
-  std::vector<char> on_rim;  // #V: the nearest point lies on that component's boundary
-};
 
 // The cut zone reaches this share of the way from d_min to the thickness that the next layer could
 // still cover.
 constexpr double kCutZone = 0.5;
-constexpr int kRefinements = 3;
-// Above smooth material too, the thickness between vertices differs from theirs, by up to this
-// share of the range.
-constexpr double kNear = 0.15;
-// Pieces that reach beyond d_max by up to this factor are taken away: a rim that remeshing has
-// pushed over the limit.
-constexpr double kRimFactor = 1.1;
+// Where fronts close an arch, or a rim overhangs too far, what lies farther than d_max from the
+// material is left out as long as it is within this many d_max: the next layers close such a gap.
+constexpr double kGapReach = 4;
+// ... and they do so in steps of this many d_min.
+constexpr double kGapStep = 1.2;
+constexpr int kLowerings = 2;
 // How far around a point that cannot be carried the thickness does not restrict the next layer, in
 // d_max.
 constexpr double kGivenUpRadius = 1.5;
-constexpr int kTrimRounds = 3;
 
 // An isosurface that may become the next layer.
 struct Probe {
@@ -79,6 +71,14 @@ struct Probe {
   Measured distance;
   double thickest = 0;    // of the points that some iso value could bring into the range
   double suggestion = 0;  // the iso value at which the thickest would reach the goal
+};
+
+// A remeshed isosurface, cut where it would be too thin, before the last trimming.
+struct Candidate {
+  double iso = 0;
+  bool partial = false;
+  Isosurface surface;
+  Measured distance;
 };
 
 class Slicer {
@@ -94,6 +94,7 @@ class Slicer {
     const double reserve = kReserve * (d_max_ - d_min_);
     low_ = d_min_ + reserve;
     high_ = d_max_ - reserve;
+    range_ = {d_min_, d_max_, low_, high_, kGapReach * d_max_};
     slope_.resize(static_cast<std::size_t>(rest.tet_count()));
     for (Index t = 0; t < rest.tet_count(); ++t) slope_[t] = field.gradient.row(t).norm();
     target_.edge_length = std::max(0.7 * d_max_, 0.6 * mean_edge_length(rest));
@@ -109,15 +110,12 @@ class Slicer {
   Probe spread_to_top(Probe best, double top);
   double thin_area(const Probe& probe) const;
   double lowest_step(const Probe& probe) const;
-  Measured measure(const Points& points) const;
-  void refine_extremes(Isosurface& surface, Measured& distance, double low, double high) const;
   Values keep_value(const Isosurface& surface, const Values& thickness) const;
-  void trim(Isosurface& surface, Measured& distance);
-  bool mark_uncarried(const Isosurface& surface, const Values& thickness, Values& keep);
-  void remove_thin_triangles(Isosurface& surface, Measured& distance) const;
   bool is_given_up(const Vec3& p) const;
   void give_up(const Probe& probe);
-  void print(const Isosurface& kept, double iso, bool partial, bool bounded);
+  Candidate make_candidate(Probe next);
+  void trim(Candidate& candidate);
+  void print(const Isosurface& whole, const Measured& distance, double iso, bool partial);
   void drop_slivers();
   void report_unsupported();
   void finish();
@@ -130,10 +128,12 @@ class Slicer {
   LayerStack stack_;
   RemeshTarget target_;
   double d_min_, d_max_, low_, high_;
+  ThicknessRange range_;
   double bead_area_;
   std::vector<double> slope_;            // #T ‖∇G‖
   std::vector<Vec3> given_up_;           // places beyond reach, of the running search
   double last_iso_ = 0, last_step_ = 0;  // of G
+  std::vector<char> carries_;            // a component: points of later ones are nearest to it
 };
 
 // Slope ‖∇G‖ at each vertex: the mean over its triangles' tets.
@@ -159,7 +159,7 @@ Probe Slicer::probe(double iso) {
   result.iso = iso;
   result.surface = extractor_.extract(iso);
   const Points& points = result.surface.surface.vertices;
-  result.distance = measure(points);
+  result.distance = measure(material_, points, range_.far(), ctx_);
   const std::vector<Index>& below = result.distance.below;
   const Values slope = vertex_slopes(result.surface, slope_);
   const double steepest = kEstimateSlack * high_ / low_;
@@ -174,8 +174,15 @@ Probe Slicer::probe(double iso) {
     const double thickness = result.distance.thickness(v);
     if (thickness > high_ &&
         (thickness > steepest * estimate || thickness > low_ + steepest * risen ||
-         is_given_up(points.row(v).transpose())))
+         is_given_up(points.row(v).transpose()))) {
+      // The gap around such a point closes by the more a layer, the thinner the layer is there.
+      if (thickness <= range_.gap_reach && risen > kGapStep * low_) {
+        result.thickest = std::numeric_limits<double>::infinity();
+        result.suggestion =
+            std::min(result.suggestion, last_iso_ + 0.98 * kGapStep * low_ * slope(v));
+      }
       continue;
+    }
     result.thickest = std::max(result.thickest, thickness);
     const double growth = std::clamp(estimate > 0 ? thickness / estimate : 1.0, 1.0, steepest);
     result.suggestion = std::min(result.suggestion, iso + (goal - thickness) * slope(v) / growth);
@@ -312,196 +319,8 @@ Values Slicer::keep_value(const Isosurface& surface, const Values& thickness) co
   return keep;
 }
 
-Measured Slicer::measure(const Points& points) const {
-  Measured result;
-  result.thickness.resize(points.rows());
-  result.below.resize(static_cast<std::size_t>(points.rows()));
-  result.on_rim.resize(result.below.size());
-  const double far = kSearchFactor * d_max_;
-  parallel_for(ctx_.pool, result.below.size(), 256, [&](std::size_t begin, std::size_t end) {
-    double bound = far;
-    for (std::size_t v = begin; v < end; ++v) {
-      const auto row = static_cast<Eigen::Index>(v);
-      // The distance changes by at most the way from the vertex before, which is often near.
-      if (v > begin)
-        bound = std::min(
-            far, (result.thickness(row - 1) + (points.row(row) - points.row(row - 1)).norm()) *
-                         (1 + 1e-9) +
-                     1e-9 * d_max_);
-      const auto nearest = material_.nearest(points.row(row).transpose(), bound);
-      result.thickness(row) = nearest.distance;
-      result.below[v] = nearest.id;
-      result.on_rim[v] = nearest.on_rim;
-    }
-  });
-  return result;
-}
-
-// Splits edges whose midpoint is outside [low, high] although its ends do not suggest it: above the
-// edge of a partial layer the thickness has a valley, and between two carriers a ridge, that may
-// lie between the vertices.
-void Slicer::refine_extremes(Isosurface& surface, Measured& distance, double low,
-                             double high) const {
-  const double noticeable = 0.2 * (low_ - d_min_), near = kNear * (d_max_ - d_min_);
-  Index first_new = 0;  // later rounds look at edges of new vertices only
-  for (int round = 0; round < kRefinements; ++round) {
-    const SurfaceEdges edges(surface.surface.triangles, static_cast<Index>(distance.below.size()));
-    const Points& points = surface.surface.vertices;
-    std::vector<Index> suspects;
-    for (Index e = 0; e < static_cast<Index>(edges.ends.rows()); ++e) {
-      const Index a = edges.ends(e, 0), b = edges.ends(e, 1);
-      if (std::max(a, b) < first_new) continue;
-      const auto [least, most] = std::minmax(distance.thickness(a), distance.thickness(b));
-      const bool smooth =
-          distance.below[a] == distance.below[b] && !distance.on_rim[a] && !distance.on_rim[b];
-      if (smooth && least > low + near && most < high - near) continue;
-      // The distance changes by at most the way: elsewhere the midpoint cannot be outside.
-      const double mean = 0.5 * (distance.thickness(a) + distance.thickness(b));
-      const double half = 0.5 * (points.row(a) - points.row(b)).norm();
-      const bool inside = most <= high;
-      if ((most >= low && mean - half < low) || (inside && mean + half > high))
-        suspects.push_back(e);
-    }
-    Points middles(static_cast<Eigen::Index>(suspects.size()), 3);
-    for (std::size_t k = 0; k < suspects.size(); ++k)
-      middles.row(static_cast<Eigen::Index>(k)) =
-          0.5 * (points.row(edges.ends(suspects[k], 0)) + points.row(edges.ends(suspects[k], 1)));
-    const Measured middle = measure(middles);
-    std::vector<char> marked(static_cast<std::size_t>(edges.ends.rows()), 0);
-    std::vector<double> added;
-    for (std::size_t k = 0; k < suspects.size(); ++k) {
-      const double at_middle = middle.thickness(static_cast<Eigen::Index>(k));
-      const double expected = 0.5 * (distance.thickness(edges.ends(suspects[k], 0)) +
-                                     distance.thickness(edges.ends(suspects[k], 1)));
-      const bool valley = at_middle < low && at_middle < expected - noticeable;
-      const bool ridge = at_middle > high && at_middle > expected + noticeable;
-      if (!valley && !ridge) continue;
-      marked[suspects[k]] = 1;
-      added.push_back(at_middle);
-      distance.below.push_back(middle.below[k]);
-      distance.on_rim.push_back(middle.on_rim[k]);
-    }
-    if (added.empty()) return;
-    const Eigen::Index before = distance.thickness.size();
-    first_new = static_cast<Index>(before);
-    distance.thickness.conservativeResize(before + static_cast<Eigen::Index>(added.size()));
-    for (std::size_t k = 0; k < added.size(); ++k)
-      distance.thickness(before + static_cast<Eigen::Index>(k)) = added[k];
-    surface = split_edges(surface, edges, marked);
-  }
-}
-
-// Brings a remeshed surface into the range where that takes away little: what is too thin, and
-// small pieces that nothing carries. By cutting as long as that helps, and then by whole triangles.
-void Slicer::trim(Isosurface& surface, Measured& distance) {
-  const double reserve = low_ - d_min_;
-  const double low = d_min_ + 0.25 * reserve, high = d_max_ - 0.25 * reserve;
-  for (int round = 0; round < kTrimRounds && distance.thickness.size() > 0; ++round) {
-    refine_extremes(surface, distance, low, high);
-    Values keep = Values::Constant(distance.thickness.size(), 1);
-    if (distance.thickness.minCoeff() < low)
-      keep = distance.thickness.array() - (low + 0.25 * reserve);
-    const bool carried = mark_uncarried(surface, distance.thickness, keep);
-    if (carried && keep.minCoeff() >= 0) break;
-    surface = cut_where_negative(surface, keep);
-    distance = measure(surface.surface.vertices);
-  }
-  remove_thin_triangles(surface, distance);
-}
-
-// Sets `keep` negative on connected pieces that are just beyond d_max, and lists them as dropped.
-// Others stay, to be reported as unsupported: without them the next layers would hang over even
-// more.
-// @return whether there was nothing to mark
-bool Slicer::mark_uncarried(const Isosurface& surface, const Values& thickness, Values& keep) {
-  const double high = d_max_ - 0.25 * (low_ - d_min_);
-  if (thickness.size() == 0 || thickness.maxCoeff() <= high) return true;
-  const Triangles& triangles = surface.surface.triangles;
-  std::vector<char> beyond(static_cast<std::size_t>(triangles.rows()), 0);
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    for (int i = 0; i < 3; ++i)
-      beyond[static_cast<std::size_t>(f)] |= thickness(triangles(f, i)) > high;
-  bool none = true;
-  std::vector<Index> used;  // vertices of the triangles beyond, as keep_triangles numbers them
-  std::vector<char> seen(static_cast<std::size_t>(thickness.size()), 0);
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f)
-    for (int i = 0; i < 3 && beyond[static_cast<std::size_t>(f)]; ++i)
-      if (const Index v = triangles(f, i); !seen[v]) {
-        seen[v] = 1;
-        used.push_back(v);
-      }
-  for (const SurfacePart& piece : split_components(keep_triangles(surface, beyond))) {
-    double farthest = 0;
-    for (const Index v : piece.vertices) farthest = std::max(farthest, thickness(used[v]));
-    double area = 0;
-    for (Eigen::Index f = 0; f < piece.surface.surface.triangles.rows(); ++f) {
-      const auto corners = piece.surface.surface.triangles.row(f);
-      int beyond_corners = 0;
-      for (int i = 0; i < 3; ++i)
-        beyond_corners += thickness(used[piece.vertices[corners(i)]]) > high;
-      area +=
-          beyond_corners / 6.0 * triangle_normal_2a(piece.surface.surface.vertices, corners).norm();
-    }
-    if (farthest > kRimFactor * d_max_) continue;
-    none = false;
-    for (const Index v : piece.vertices)
-      keep(used[v]) = std::min(keep(used[v]), high - thickness(used[v]));
-    stack_.dropped_area += area;
-    stack_.dropped_places.push_back(piece.surface.surface.vertices.colwise().mean().transpose());
-  }
-  return none;
-}
-
-// The last resort: takes away the triangles that are too thin at a corner, an edge's midpoint or
-// the centroid.
-void Slicer::remove_thin_triangles(Isosurface& surface, Measured& distance) const {
-  const Triangles& triangles = surface.surface.triangles;
-  const Points& points = surface.surface.vertices;
-  std::vector<Index> suspects;
-  std::vector<char> keep(static_cast<std::size_t>(triangles.rows()), 1);
-  for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-    bool smooth = true;
-    for (int i = 0; i < 3; ++i) {
-      const Index v = triangles(f, i);
-      if (distance.thickness(v) < d_min_) keep[static_cast<std::size_t>(f)] = 0;
-      smooth = smooth && distance.thickness(v) > d_min_ + kNear * (d_max_ - d_min_);
-      smooth =
-          smooth && !distance.on_rim[v] && distance.below[v] == distance.below[triangles(f, 0)];
-    }
-    if (smooth) continue;
-    double mean = 0, longest = 0;
-    for (int i = 0; i < 3; ++i) {
-      mean += distance.thickness(triangles(f, i)) / 3;
-      longest = std::max(
-          longest, (points.row(triangles(f, i)) - points.row(triangles(f, (i + 1) % 3))).norm());
-    }
-    // No point of a triangle is farther from its corners, on average, than 0.67 of its longest
-    // edge.
-    if (mean - 0.67 * longest < d_min_) suspects.push_back(static_cast<Index>(f));
-  }
-  Points samples(static_cast<Eigen::Index>(4 * suspects.size()), 3);
-  for (std::size_t k = 0; k < suspects.size(); ++k) {
-    const auto corners = triangles.row(suspects[k]);
-    const auto row = static_cast<Eigen::Index>(4 * k);
-    for (int i = 0; i < 3; ++i)
-      samples.row(row + i) = 0.5 * (points.row(corners(i)) + points.row(corners((i + 1) % 3)));
-    samples.row(row + 3) =
-        (points.row(corners(0)) + points.row(corners(1)) + points.row(corners(2))) / 3;
-  }
-  const Measured sampled = measure(samples);
-  for (std::size_t k = 0; k < suspects.size(); ++k)
-    if (sampled.thickness.segment<4>(static_cast<Eigen::Index>(4 * k)).minCoeff() < d_min_)
-      keep[suspects[k]] = 0;
-  if (std::count(keep.begin(), keep.end(), 0) == 0) return;
-  surface = keep_triangles(surface, keep);
-  distance = measure(surface.surface.vertices);
-}
-
-// Remeshes a surface and adds its components to the stack and to the material.
-void Slicer::print(const Isosurface& kept, double iso, bool partial, bool bounded) {
-  Isosurface whole = remesh(kept, target_);
-  Measured distance = measure(whole.surface.vertices);
-  if (bounded) trim(whole, distance);
+// Adds the components of a surface to the stack and to the material.
+void Slicer::print(const Isosurface& whole, const Measured& distance, double iso, bool partial) {
   std::vector<Layer> printed;
   for (SurfacePart& part : split_components(whole)) {
     Layer layer;
@@ -531,23 +350,24 @@ void Slicer::print(const Isosurface& kept, double iso, bool partial, bool bounde
   for (Layer& layer : printed) {
     material_.add(layer.surface, static_cast<Index>(stack_.layers.size()));
     stack_.layers.push_back(std::move(layer));
+    carries_.push_back(0);
   }
   ++stack_.isosurfaces;
 }
 
 // Takes out components too small for a bead that carry nothing: tips, and scraps between others.
 void Slicer::drop_slivers() {
-  std::vector<char> carries(stack_.layers.size(), 0), dropped(stack_.layers.size(), 0);
+  std::vector<char> dropped(stack_.layers.size(), 0);
   for (std::size_t k = stack_.layers.size(); k-- > 0;) {
     const Layer& layer = stack_.layers[k];
     const double area = surface_area(layer.surface);
-    if (!carries[k] && area < bead_area_) {
+    if (!carries_[k] && area < bead_area_) {
       dropped[k] = 1;
       stack_.dropped_area += area;
       stack_.dropped_places.push_back(layer.surface.vertices.colwise().mean().transpose());
       continue;
     }
-    for (const Index below : layer.rests_on) carries[below] = 1;
+    for (const Index below : layer.rests_on) carries_[below] = 1;
   }
   std::reverse(stack_.dropped_places.begin(), stack_.dropped_places.end());
   std::vector<Index> position(stack_.layers.size(), -1);
@@ -586,7 +406,7 @@ void Slicer::report_unsupported() {
     whole.surface = layer.surface;
     whole.normal = layer.normal;
     whole.source_tet = layer.source_tet;
-    for (const SurfacePart& part : split_components(keep_triangles(whole, in_air))) {
+    for (const SurfacePart& part : split_components(extract_flagged(whole, in_air).surface)) {
       stack_.unsupported_area += surface_area(part.surface.surface);
       stack_.unsupported_places.push_back(
           part.surface.surface.vertices.colwise().mean().transpose());
@@ -621,6 +441,30 @@ void Slicer::finish() {
   ctx_.progress(Stage::layers, 1);
 }
 
+Candidate Slicer::make_candidate(Probe next) {
+  refine_extremes(material_, range_, low_, std::numeric_limits<double>::infinity(), next.surface,
+                  next.distance, ctx_);
+  const Values keep = keep_value(next.surface, next.distance.thickness);
+  Candidate candidate;
+  candidate.iso = next.iso;
+  candidate.partial = keep.size() > 0 && keep.minCoeff() < 0;
+  candidate.surface = remesh(
+      candidate.partial ? cut_where_negative(next.surface, keep) : next.surface, target_);
+  candidate.distance =
+      measure(material_, candidate.surface.surface.vertices, range_.far(), ctx_);
+  refine_extremes(material_, range_, d_min_, d_max_, candidate.surface, candidate.distance, ctx_);
+  return candidate;
+}
+
+void Slicer::trim(Candidate& candidate) {
+  const Trimmed trimmed =
+      trim_to_range(material_, range_, candidate.surface, candidate.distance, ctx_);
+  stack_.dropped_area += trimmed.left_out_area;
+  stack_.dropped_places.insert(stack_.dropped_places.end(), trimmed.left_out_places.begin(),
+                               trimmed.left_out_places.end());
+  for (const Index below : trimmed.carriers) carries_[below] = 1;
+}
+
 LayerStack Slicer::adaptive() {
   const double bottom = std::max(extractor_.min_value(), 0.0);
   std::vector<double> slopes = slope_;
@@ -631,11 +475,17 @@ LayerStack Slicer::adaptive() {
   const double top = extractor_.max_value() - 1e-3 * last_step_;
   while (last_iso_ < top) {
     ctx_.progress(Stage::layers, std::min((last_iso_ - bottom) / (top - bottom), 1.0));
-    Probe next = next_surface(top);
-    refine_extremes(next.surface, next.distance, low_, std::numeric_limits<double>::infinity());
-    const Values keep = keep_value(next.surface, next.distance.thickness);
-    const bool partial = keep.size() > 0 && keep.minCoeff() < 0;
-    print(partial ? cut_where_negative(next.surface, keep) : next.surface, next.iso, partial, true);
+    Candidate next = make_candidate(next_surface(top));
+    // Remeshing moves points by a little: where that made the layer too thick, one that is lower by
+    // as much takes its place.
+    for (int i = 0; i < kLowerings; ++i) {
+      const double thickest = slight_excess(range_, next.surface, next.distance, given_up_);
+      if (thickest == 0) break;
+      const double step = (next.iso - last_iso_) * (1 - 1.5 * (thickest / high_ - 1));
+      next = make_candidate(probe(last_iso_ + step));
+    }
+    trim(next);
+    print(next.surface, next.distance, next.iso, next.partial);
     last_step_ = next.iso - last_iso_;
     last_iso_ = next.iso;
   }
@@ -648,7 +498,9 @@ LayerStack Slicer::even(double step) {
   const double count = std::floor(height / step * (1 + 1e-9));
   for (double i = 1; i <= count; ++i) {
     ctx_.progress(Stage::layers, i / count);
-    print(extractor_.extract(bottom + i * step), bottom + i * step, false, false);
+    const double iso = bottom + i * step;
+    const Isosurface whole = remesh(extractor_.extract(iso), target_);
+    print(whole, measure(material_, whole.surface.vertices, range_.far(), ctx_), iso, false);
   }
   finish();
   return std::move(stack_);
@@ -659,7 +511,9 @@ LayerStack Slicer::even(double step) {
 LayerStack make_layers(const TetMesh& rest, const ScalarField& field, const LayerParams& params,
                        Context& ctx) {
   check_range(params);
-  return Slicer(rest, field, params, ctx).adaptive();
+  LayerStack st = Slicer(rest, field, params, ctx).adaptive();
+  if(getenv("S3DBG")){auto r=measure_thickness(st,params.d_min(),params.d_max(),ctx); fprintf(stderr,"DBG min %g max %g thin %g thick %g of %g; iso %d comps %zu unsup %g dropped %g\n",r.min,r.max,r.thin_area,r.thick_area,r.area,st.isosurfaces,st.layers.size(),st.unsupported_area,st.dropped_area);}
+  return st;
 }
 
 LayerStack make_planar_layers(const TetMesh& rest, double layer_height, const LayerParams& params,

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 #include "layers/layer_parts.h"
 
 namespace s3 {
 namespace {
+
+constexpr std::size_t kGroup = 16;
 
 double box_distance(const Box& box, const Vec3& p) {
   return (box.min - p).cwiseMax(p - box.max).cwiseMax(0.0).norm();
@@ -37,8 +41,12 @@ void PrintedMaterial::add(const TriMesh& surface, Index id) {
   for (std::size_t e = 0; e < uses.size(); ++e)
     if (uses[e] == 1)
       for (int i = 0; i < 2; ++i) on_rim[edges.ends(static_cast<Eigen::Index>(e), i)] = 1;
-  parts_.push_back({AabbTree(surface), bounding_box(surface.vertices), id, surface.triangles,
-                    std::move(on_rim)});
+  const Box box = bounding_box(surface.vertices);
+  if (parts_.size() % kGroup == 0) group_boxes_.push_back(box);
+  Box& group = group_boxes_.back();
+  group.min = group.min.cwiseMin(box.min);
+  group.max = group.max.cwiseMax(box.max);
+  parts_.push_back({AabbTree(surface), box, id, surface.triangles, std::move(on_rim)});
 }
 
 PrintedMaterial::Nearest PrintedMaterial::nearest(const Vec3& p, double bound) const {
@@ -47,14 +55,18 @@ PrintedMaterial::Nearest PrintedMaterial::nearest(const Vec3& p, double bound) c
   const Part* at = nullptr;
   // The newest first: it is usually the nearest, and its distance rules out all others by their
   // boxes.
-  for (auto part = parts_.rbegin(); part != parts_.rend(); ++part) {
-    if (box_distance(part->box, p) >= best.distance) continue;
-    const Closest hit = part->tree.closest(p, best.distance);
-    if (hit.triangle < 0 || hit.distance >= best.distance) continue;
-    best.distance = hit.distance;
-    best.id = part->id;
-    closest = hit;
-    at = &*part;
+  for (std::size_t group = group_boxes_.size(); group-- > 0;) {
+    if (box_distance(group_boxes_[group], p) >= best.distance) continue;
+    for (std::size_t k = std::min(parts_.size(), (group + 1) * kGroup); k-- > group * kGroup;) {
+      const Part& part = parts_[k];
+      if (box_distance(part.box, p) >= best.distance) continue;
+      const Closest hit = part.tree.closest(p, best.distance);
+      if (hit.triangle < 0 || hit.distance >= best.distance) continue;
+      best.distance = hit.distance;
+      best.id = part.id;
+      closest = hit;
+      at = &part;
+    }
   }
   if (at) {
     best.on_rim = true;
@@ -90,6 +102,7 @@ ThicknessReport measure_thickness(const LayerStack& stack, double d_min, double 
           const std::array<Vec3, 7> points = {
               a, b, d, 0.5 * (a + b), 0.5 * (b + d), 0.5 * (d + a), (a + b + d) / 3.0};
           const double area = triangle_normal_2a(surface.vertices, row).norm() / 2;
+          if(getenv("S3DBG")) for (std::size_t k=0;k<7;++k){const double t=material.nearest(points[k],far).distance; if(t<d_min||t>d_max) {double lo=1e9,hi=0; for(int i=0;i<3;++i){lo=std::min(lo,stack.layers[c].thickness(row(i)));hi=std::max(hi,stack.layers[c].thickness(row(i)));} fprintf(stderr,"OUT c%zu L%d part%d f%zu k%zu t=%.4f corners %.4f..%.4f at %.3f %.3f %.3f area %.4f\n",c,stack.layers[c].layer,stack.layers[c].partial,f,k,t,lo,hi,points[k].x(),points[k].y(),points[k].z(),area);}}
           for (std::size_t k = 0; k < points.size(); ++k)
             samples[offset + 7 * f + k] = {material.nearest(points[k], far).distance, area / 7};
         }

@@ -36,6 +36,7 @@ class PrintedMaterial {
     std::vector<char> on_rim;  // #V
   };
   std::vector<Part> parts_;
+  std::vector<Box> group_boxes_;  // of kGroup parts each, so that most are passed over unseen
 };
 
 /// Thickness over the area of all layers, mm.

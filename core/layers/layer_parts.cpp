@@ -233,11 +233,11 @@ std::vector<SurfacePart> split_components(const Isosurface& surface) {
   return parts;
 }
 
-Isosurface keep_triangles(const Isosurface& surface, const std::vector<char>& flags) {
+SurfacePart extract_flagged(const Isosurface& surface, const std::vector<char>& flags) {
   std::vector<Index> faces, number(static_cast<std::size_t>(surface.surface.vertices.rows()), -1);
   for (std::size_t f = 0; f < flags.size(); ++f)
     if (flags[f]) faces.push_back(static_cast<Index>(f));
-  return extract_triangles(surface, faces, number).surface;
+  return extract_triangles(surface, faces, number);
 }
 
 }  // namespace s3

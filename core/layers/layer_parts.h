@@ -31,7 +31,7 @@ struct SurfacePart {
 /// Connected components, in the order of their first triangle.
 std::vector<SurfacePart> split_components(const Isosurface& surface);
 
-/// The triangles with a flag, and their vertices.
-Isosurface keep_triangles(const Isosurface& surface, const std::vector<char>& flags);
+/// The triangles with a flag in their order, and their vertices.
+SurfacePart extract_flagged(const Isosurface& surface, const std::vector<char>& flags);
 
 }  // namespace s3
