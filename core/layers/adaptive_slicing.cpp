@@ -2,13 +2,13 @@
 // d_max and removes what is then thinner than d_min. Here the same three steps are one sweep over
 // the printed material, which bounds the thickness by construction: the next isosurface is the
 // highest whose distance to the material stays below d_max everywhere, and what is nearer than
-// d_min is left out of it, to be covered by a later one.
+// d_min is left out of it, to be covered by a later one. Where no isosurface can stay within d_max
+// (fronts that close an arch, rims that overhang too far) the layer is left open, and thin layers
+// close the gap.
 #include "layers/adaptive_slicing.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
@@ -114,6 +114,7 @@ class Slicer {
   bool is_given_up(const Vec3& p) const;
   void give_up(const Probe& probe);
   Candidate make_candidate(Probe next);
+  void lower_slightly(Candidate& candidate);
   void trim(Candidate& candidate);
   void print(const Isosurface& whole, const Measured& distance, double iso, bool partial);
   void drop_slivers();
@@ -448,12 +449,24 @@ Candidate Slicer::make_candidate(Probe next) {
   Candidate candidate;
   candidate.iso = next.iso;
   candidate.partial = keep.size() > 0 && keep.minCoeff() < 0;
-  candidate.surface = remesh(
-      candidate.partial ? cut_where_negative(next.surface, keep) : next.surface, target_);
-  candidate.distance =
-      measure(material_, candidate.surface.surface.vertices, range_.far(), ctx_);
+  candidate.surface =
+      remesh(candidate.partial ? cut_where_negative(next.surface, keep) : next.surface, target_);
+  candidate.distance = measure(material_, candidate.surface.surface.vertices, range_.far(), ctx_);
   refine_extremes(material_, range_, d_min_, d_max_, candidate.surface, candidate.distance, ctx_);
   return candidate;
+}
+
+// Remeshing moves points by a little: where that made a complete layer too thick, one that is lower
+// by as much takes its place, as long as it is complete too.
+void Slicer::lower_slightly(Candidate& candidate) {
+  for (int i = 0; i < kLowerings && !candidate.partial; ++i) {
+    const double thickest = slight_excess(range_, candidate.surface, candidate.distance, given_up_);
+    if (thickest == 0) return;
+    const double step = (candidate.iso - last_iso_) * (1 - 1.5 * (thickest / high_ - 1));
+    Candidate lower = make_candidate(probe(last_iso_ + step));
+    if (lower.partial) return;
+    candidate = std::move(lower);
+  }
 }
 
 void Slicer::trim(Candidate& candidate) {
@@ -476,14 +489,7 @@ LayerStack Slicer::adaptive() {
   while (last_iso_ < top) {
     ctx_.progress(Stage::layers, std::min((last_iso_ - bottom) / (top - bottom), 1.0));
     Candidate next = make_candidate(next_surface(top));
-    // Remeshing moves points by a little: where that made the layer too thick, one that is lower by
-    // as much takes its place.
-    for (int i = 0; i < kLowerings; ++i) {
-      const double thickest = slight_excess(range_, next.surface, next.distance, given_up_);
-      if (thickest == 0) break;
-      const double step = (next.iso - last_iso_) * (1 - 1.5 * (thickest / high_ - 1));
-      next = make_candidate(probe(last_iso_ + step));
-    }
+    lower_slightly(next);
     trim(next);
     print(next.surface, next.distance, next.iso, next.partial);
     last_step_ = next.iso - last_iso_;
@@ -511,9 +517,7 @@ LayerStack Slicer::even(double step) {
 LayerStack make_layers(const TetMesh& rest, const ScalarField& field, const LayerParams& params,
                        Context& ctx) {
   check_range(params);
-  LayerStack st = Slicer(rest, field, params, ctx).adaptive();
-  if(getenv("S3DBG")){auto r=measure_thickness(st,params.d_min(),params.d_max(),ctx); fprintf(stderr,"DBG min %g max %g thin %g thick %g of %g; iso %d comps %zu unsup %g dropped %g\n",r.min,r.max,r.thin_area,r.thick_area,r.area,st.isosurfaces,st.layers.size(),st.unsupported_area,st.dropped_area);}
-  return st;
+  return Slicer(rest, field, params, ctx).adaptive();
 }
 
 LayerStack make_planar_layers(const TetMesh& rest, double layer_height, const LayerParams& params,

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "layers/layer_parts.h"
 
@@ -102,7 +100,6 @@ ThicknessReport measure_thickness(const LayerStack& stack, double d_min, double 
           const std::array<Vec3, 7> points = {
               a, b, d, 0.5 * (a + b), 0.5 * (b + d), 0.5 * (d + a), (a + b + d) / 3.0};
           const double area = triangle_normal_2a(surface.vertices, row).norm() / 2;
-          if(getenv("S3DBG")) for (std::size_t k=0;k<7;++k){const double t=material.nearest(points[k],far).distance; if(t<d_min||t>d_max) {double lo=1e9,hi=0; for(int i=0;i<3;++i){lo=std::min(lo,stack.layers[c].thickness(row(i)));hi=std::max(hi,stack.layers[c].thickness(row(i)));} fprintf(stderr,"OUT c%zu L%d part%d f%zu k%zu t=%.4f corners %.4f..%.4f at %.3f %.3f %.3f area %.4f\n",c,stack.layers[c].layer,stack.layers[c].partial,f,k,t,lo,hi,points[k].x(),points[k].y(),points[k].z(),area);}}
           for (std::size_t k = 0; k < points.size(); ++k)
             samples[offset + 7 * f + k] = {material.nearest(points[k], far).distance, area / 7};
         }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 #include "layers/layer_parts.h"
@@ -33,8 +31,8 @@ class Trimmer {
  private:
   struct Samples {
     SurfaceEdges edges;
-    Values edge;      // #E at the midpoints
-    Values centroid;  // #F
+    Values edge;               // #E at the midpoints
+    Values centroid;           // #F
     std::vector<Index> below;  // #E + #F: the components nearest to them
   };
 
@@ -48,7 +46,9 @@ class Trimmer {
   void split(const std::vector<Index>& faces);
   void add_carriers(const std::vector<Index>& below);
   void note_left_out(const std::vector<char>& beyond);
-  void measure_all() { distance_ = measure(material_, surface_.surface.vertices, range_.far(), ctx_); }
+  void measure_all() {
+    distance_ = measure(material_, surface_.surface.vertices, range_.far(), ctx_);
+  }
   bool is_outside(double thickness, bool in_air) const {
     return thickness < range_.min || (thickness > range_.max && !in_air);
   }
@@ -248,7 +248,6 @@ void Trimmer::add_carriers(const std::vector<Index>& below) {
 
 void Trimmer::note_left_out(const std::vector<char>& beyond) {
   for (const SurfacePart& piece : flagged_pieces(surface_, beyond)) {
-    if(getenv("S3DBG")){const Vec3 c=piece.surface.surface.vertices.colwise().mean().transpose(); fprintf(stderr,"PIECE clip far 0 area %.4f at %.2f %.2f %.2f\n",surface_area(piece.surface.surface),c.x(),c.y(),c.z());}
     trimmed_.left_out_area += surface_area(piece.surface.surface);
     trimmed_.left_out_places.push_back(piece.surface.surface.vertices.colwise().mean().transpose());
   }

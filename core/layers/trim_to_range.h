@@ -11,9 +11,9 @@ namespace s3 {
 
 /// Allowed distances to the printed material, mm.
 struct ThicknessRange {
-  double min, max;    // d_min, d_max
-  double low, high;   // the same less a reserve: what is aimed for
-  double gap_reach;   // what is farther than this starts in the air and stays, to be reported
+  double min, max;   // d_min, d_max
+  double low, high;  // the same less a reserve: what is aimed for
+  double gap_reach;  // what is farther than this starts in the air and stays, to be reported
   double far() const { return 4 * gap_reach; }  // distances are searched up to here
 };
 
@@ -34,7 +34,8 @@ void refine_extremes(const PrintedMaterial& material, const ThicknessRange& rang
                      double high, Isosurface& surface, Measured& distance, Context& ctx);
 
 /// The thickest point of those connected pieces beyond d_max that are only slightly so and that a
-/// somewhat lower isosurface would not have; places near `gaps` do not count. 0 where there are none.
+/// somewhat lower isosurface would not have; places near `gaps` do not count. 0 where there are
+/// none.
 double slight_excess(const ThicknessRange& range, const Isosurface& surface,
                      const Measured& distance, const std::vector<Vec3>& gaps);
 
@@ -42,7 +43,7 @@ double slight_excess(const ThicknessRange& range, const Isosurface& surface,
 struct Trimmed {
   double left_out_area = 0;           // mm² that nothing carries
   std::vector<Vec3> left_out_places;  // one a connected piece
-  std::vector<Index> carriers;        // components nearest to points between the vertices, ascending
+  std::vector<Index> carriers;  // components nearest to points between the vertices, ascending
 };
 
 /// Cuts a remeshed surface so that corners, edge midpoints and centroids of all its triangles are

@@ -8,6 +8,7 @@
 #include "layers/adaptive_slicing.h"
 #include "layers/layer_distance.h"
 #include "layers/remesh.h"
+#include "layers/trim_to_range.h"
 
 using namespace s3;
 
@@ -126,9 +127,9 @@ TEST_CASE(
   CHECK(std::any_of(stack.layers.begin(), stack.layers.end(),
                     [](const Layer& l) { return l.partial; }));
   const ThicknessReport report = measure(stack);
-  CHECK(report.outside_percent() < 1e-3);
-  CHECK(report.min > 0.39);
-  CHECK(report.max < 1.02);
+  CHECK(report.outside_percent() == 0);
+  CHECK(report.min >= 0.4);
+  CHECK(report.max <= 1.0);
   CHECK(stack.unsupported_area == 0);
 }
 
@@ -141,6 +142,68 @@ TEST_CASE("a wall that overhangs by 45 degrees gets layers whose rims stay in re
   CHECK(report.outside_percent() == 0);
   CHECK(report.p50 < 0.72);  // √2 times the layer height must stay below 1 mm
   CHECK(stack.unsupported_area == 0);
+}
+
+TEST_CASE("a gap that fronts close is left open until the layers reach over it") {
+  // A slot 4 mm wide and 6 mm high through a block: half of it is more than d_max from its walls.
+  const TetMesh block = filter(test::make_grid(18, 5, 14, Vec3(18, 10, 14)),
+                               [](const Vec3& c) { return std::abs(c.x() - 9) > 2 || c.z() > 6; });
+  Context ctx;
+  const LayerStack stack =
+      make_layers(block, make_scalar_field(block, block.vertices.col(2)), {}, ctx);
+  check_sound(stack);
+  const ThicknessReport report = measure(stack);
+  CHECK(report.outside_percent() == 0);
+  CHECK(stack.unsupported_area == 0);
+  // The first layer over the slot lacks at least the 2 mm × 10 mm in its middle.
+  CHECK(stack.dropped_area > 15);
+  CHECK(stack.dropped_area < 80);
+  REQUIRE(!stack.dropped_places.empty());
+  for (const Vec3& place : stack.dropped_places) {
+    CHECK(std::abs(place.x() - 9) < 2);
+    CHECK(place.z() > 6);
+    CHECK(place.z() < 9);  // closed soon
+  }
+  CHECK(surface_area(stack.layers.back().surface) == doctest::Approx(180).epsilon(0.01));
+  CHECK(std::any_of(ctx.warnings.begin(), ctx.warnings.end(),
+                    [](const Warning& w) { return w.code == "layers.dropped"; }));
+}
+
+TEST_CASE("what trimming leaves is in range at every corner, midpoint and centroid") {
+  // The material is a ridge; the surface above is flat, 0.2 to 1.4 mm away.
+  const TetMesh box = test::make_grid(12, 6, 4, Vec3(12, 6, 4));
+  const ScalarField height = make_scalar_field(box, box.vertices.col(2));
+  Values ridge(box.vertex_count());
+  for (Index v = 0; v < box.vertex_count(); ++v)
+    ridge(v) = box.vertices(v, 2) + 0.2 * std::abs(box.vertices(v, 0) - 6);
+  const ScalarField tent = make_scalar_field(box, ridge);
+  PrintedMaterial material;
+  material.add(IsosurfaceExtractor(box, tent).extract(2.0).surface, 0);
+  Isosurface surface = IsosurfaceExtractor(box, height).extract(2.2);
+  Context ctx;
+  const ThicknessRange range{0.4, 1.0, 0.41, 0.99, 4.0};
+  Measured distance = measure(material, surface.surface.vertices, range.far(), ctx);
+  REQUIRE(distance.thickness.minCoeff() < 0.4);
+  REQUIRE(distance.thickness.maxCoeff() > 1.0);
+  const double whole = surface_area(surface.surface);
+  const Trimmed trimmed = trim_to_range(material, range, surface, distance, ctx);
+  CHECK(distance.thickness.size() == surface.surface.vertices.rows());
+  for (Eigen::Index f = 0; f < surface.surface.triangles.rows(); ++f) {
+    Vec3 corner[3];
+    for (int i = 0; i < 3; ++i)
+      corner[i] = surface.surface.vertices.row(surface.surface.triangles(f, i));
+    for (const Vec3& p : {corner[0], Vec3((corner[0] + corner[1]) / 2),
+                          Vec3((corner[0] + corner[1] + corner[2]) / 3)}) {
+      const double thickness = material.nearest(p, 10).distance;
+      CHECK(thickness >= 0.4);
+      CHECK(thickness <= 1.0);
+    }
+  }
+  // 0.2 + 0.2 |x − 6| between 0.4 and 1.0, times cos of the slope 0.2, keeps |x − 6| in
+  // [1.04, 4.1].
+  CHECK(surface_area(surface.surface) == doctest::Approx(2 * 3.06 * 6).epsilon(0.06));
+  CHECK(trimmed.left_out_area == doctest::Approx(2 * 1.9 * 6).epsilon(0.1));
+  CHECK(surface_area(surface.surface) + trimmed.left_out_area < whole);
 }
 
 TEST_CASE("a slab that starts in the air is printed and reported with its area and place") {
