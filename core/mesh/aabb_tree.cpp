@@ -347,53 +347,44 @@ struct Slabs {
   }
 };
 
+// Calls visit with every hit at 0 ≤ t ≤ max_t, in the order of the tree; visit may lower max_t.
+template <class Nodes, class Faces, class Visit>
+void visit_hits(const Nodes& nodes, const Faces& faces, const Vec3& origin, const Vec3& direction,
+                const double& max_t, Visit&& visit) {
+  if (faces.empty()) return;
+  const Slabs ray{origin, direction.cwiseInverse()};
+  std::array<Index, kStackSize> stack;
+  int size = 0;
+  stack[static_cast<std::size_t>(size++)] = 0;
+  while (size > 0) {
+    const auto& node = nodes[static_cast<std::size_t>(stack[static_cast<std::size_t>(--size)])];
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!ray.hits(node, k, max_t)) continue;
+      if (node.count[k] == 0) stack[static_cast<std::size_t>(size++)] = node.first[k];
+      for (Index i = node.first[k]; i < node.first[k] + node.count[k]; ++i) {
+        const auto& face = faces[static_cast<std::size_t>(i)];
+        const double t = ray_triangle(origin, direction, face.a, face.ab, face.ac);
+        if (t >= 0 && t <= max_t && t < kInfinity) visit(RayHit{t, face.triangle});
+      }
+    }
+  }
+}
+
 }  // namespace
 
 RayHit AabbTree::first_hit(const Vec3& origin, const Vec3& direction, double max_t) const {
   RayHit best{max_t, -1};
-  if (!faces_.empty()) {
-    const Slabs ray{origin, direction.cwiseInverse()};
-    std::array<Index, kStackSize> stack;
-    int size = 0;
-    stack[static_cast<std::size_t>(size++)] = 0;
-    while (size > 0) {
-      const Node& node = nodes_[static_cast<std::size_t>(stack[static_cast<std::size_t>(--size)])];
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (!ray.hits(node, k, best.t)) continue;
-        if (node.count[k] == 0) stack[static_cast<std::size_t>(size++)] = node.first[k];
-        for (Index i = node.first[k]; i < node.first[k] + node.count[k]; ++i) {
-          const Face& face = faces_[static_cast<std::size_t>(i)];
-          const double t = ray_triangle(origin, direction, face.a, face.ab, face.ac);
-          if (!(t >= 0 && t <= best.t && t < kInfinity)) continue;
-          if (t < best.t || best.triangle < 0 || face.triangle < best.triangle)
-            best = {t, face.triangle};
-        }
-      }
-    }
-  }
+  visit_hits(nodes_, faces_, origin, direction, best.t, [&](const RayHit& hit) {
+    if (hit.t < best.t || best.triangle < 0 || hit.triangle < best.triangle) best = hit;
+  });
   return best.triangle < 0 ? RayHit{} : best;
 }
 
 std::vector<RayHit> AabbTree::all_hits(const Vec3& origin, const Vec3& direction,
                                        double max_t) const {
   std::vector<RayHit> hits;
-  if (faces_.empty()) return hits;
-  const Slabs ray{origin, direction.cwiseInverse()};
-  std::array<Index, kStackSize> stack;
-  int size = 0;
-  stack[static_cast<std::size_t>(size++)] = 0;
-  while (size > 0) {
-    const Node& node = nodes_[static_cast<std::size_t>(stack[static_cast<std::size_t>(--size)])];
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (!ray.hits(node, k, max_t)) continue;
-      if (node.count[k] == 0) stack[static_cast<std::size_t>(size++)] = node.first[k];
-      for (Index i = node.first[k]; i < node.first[k] + node.count[k]; ++i) {
-        const Face& face = faces_[static_cast<std::size_t>(i)];
-        const double t = ray_triangle(origin, direction, face.a, face.ab, face.ac);
-        if (t >= 0 && t <= max_t && t < kInfinity) hits.push_back({t, face.triangle});
-      }
-    }
-  }
+  visit_hits(nodes_, faces_, origin, direction, max_t,
+             [&](const RayHit& hit) { hits.push_back(hit); });
   std::sort(hits.begin(), hits.end(), [](const RayHit& a, const RayHit& b) {
     return a.t != b.t ? a.t < b.t : a.triangle < b.triangle;
   });

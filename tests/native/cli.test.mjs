@@ -259,6 +259,29 @@ test("Ctrl-C ends with 130, and the files of finished stages are whole", async (
   assert.ok("job.json" in files);
 });
 
+test("a profile may ask for the authors' waypoints: a file for each layer piece, y up", () => {
+  write("block.tet", tetText(leaningBlock()));
+  write("arm.json", JSON.stringify({ inherits: "table-bc-duet", programs: ["authors-waypoints"] }));
+  runWell("run", "block.tet", "-o", "authors", "--quiet", "--machine", "arm.json");
+  const files = filesOf("authors");
+  assert.ok(!("program.gcode" in files), "a program that nobody asked for");
+  const pieces = json("authors", "report.json").curved.components;
+  const points = [];
+  for (let k = 0; k < pieces; ++k)
+    points.push(...files[`authors-waypoints/${k}.txt`].toString().trimEnd().split("\n").map((line) => line.split(" ").map(Number)));
+  assert.ok(!(`authors-waypoints/${pieces}.txt` in files));
+  const extruded = files["waypoints.csv"].toString().trimEnd().split("\n").filter((row) => !/^(#|layer)/.test(row))
+    .map((row) => row.split(",")).filter((row) => Number(row[12]) > 0);
+  assert.equal(points.length, extruded.length);
+  points.forEach(([x, y, z, nx, ny, nz], i) => {
+    const [px, py, pz, mx, my, mz] = extruded[i].slice(3, 9).map(Number);
+    // Their axes: y up; their normals point into the part.
+    for (const [a, b] of [[x, px], [-z, py], [y, pz], [-nx, mx], [nz, my], [-ny, mz]]) assert.ok(Math.abs(a - b) < 2e-5, `point ${i}`);
+  });
+  write("odd.json", JSON.stringify({ inherits: "cartesian", programs: ["poem.txt"] }));
+  assertInputError(run("run", "block.tet", "-o", "odd", "--quiet", "--machine", "odd.json"), "poem.txt", "authors-waypoints");
+});
+
 test("the schema lists every parameter that a job file holds", () => {
   const schema = JSON.parse(runWell("schema").stdout);
   write("block.tet", tetText(leaningBlock()));
