@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "metrics/surface_samples.h"
+#include "mesh/surface_samples.h"
 #include "metrics/tube_grid.h"
 
 namespace s3 {

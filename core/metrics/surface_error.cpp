@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "base/units.h"
+#include "mesh/surface_samples.h"
 #include "metrics/print_metrics.h"
-#include "metrics/surface_samples.h"
 #include "metrics/tube_grid.h"
 
 namespace s3 {

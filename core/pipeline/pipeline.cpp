@@ -13,7 +13,6 @@
 #include "export/gcode.h"
 #include "fea/read_stress.h"
 #include "mesh/read_mesh.h"
-#include "mesh/refine_surface.h"
 #include "motion/five_axis.h"
 #include "params/param_visitors.h"
 #include "pipeline/evaluate.h"
@@ -89,8 +88,7 @@ void Pipeline::read_model(Context& ctx) {
 
 void Pipeline::make_tets(Context& ctx) {
   if (artifacts_.model.is_volume) return;  // used as it is
-  const double edge = target_edge_for(artifacts_.surface, params_.mesh.target_tets);
-  artifacts_.rest = tetrahedralize(refine_surface(artifacts_.surface, edge), params_.mesh, ctx);
+  artifacts_.rest = tetrahedralize(artifacts_.surface, params_.mesh, ctx).mesh;
   artifacts_.file_order = {};
 }
 

@@ -1,6 +1,6 @@
 // The only file that knows TetGen: H. Si, "TetGen, a Delaunay-Based Quality Tetrahedral Mesh
 // Generator", ACM TOMS 41(2), 2015.
-#include "tetrahedralize/tetrahedralize.h"
+#include "tetrahedralize/tetgen_backend.h"
 
 #ifdef S3_WITH_TETGEN
 
@@ -320,12 +320,16 @@ bool has_inverted_shell(const TriMesh& surface) {
 
 }  // namespace
 
-TetMesh tetrahedralize(const TriMesh& surface, const TetrahedralizeParams& params, Context& ctx) {
+bool has_tetgen() {
+  return true;
+}
+
+TetMesh fill_with_tetgen(const TriMesh& surface, int target_tets, Context& ctx) {
   const double volume = enclosed_volume(surface);
   if (!(volume > 0) || surface.triangles.rows() < 4) throw_empty();
   ctx.progress(Stage::tetrahedralize, 0.0);
 
-  const double target = params.target_tets;
+  const double target = target_tets;
   const auto triangles = static_cast<double>(surface.triangles.rows());
   const bool keep = is_fine_enough(surface, volume / target);
   std::vector<Way> ways{{keep, true}, {!keep, true}, {keep, false}, {!keep, false}};
@@ -367,12 +371,11 @@ TetMesh tetrahedralize(const TriMesh& surface, const TetrahedralizeParams& param
   if (count > (1.0 + kCountTolerance) * target)
     ctx.warn("tetrahedralize.more_tets",
              "The mesh has " + std::to_string(best.tets.rows()) + " tets instead of " +
-                 std::to_string(params.target_tets) + ": the surface with its " +
+                 std::to_string(target_tets) + ": the surface with its " +
                  std::to_string(surface.triangles.rows()) + " triangles needs that many");
   else if (count < (1.0 - kCountTolerance) * target)
     ctx.warn("tetrahedralize.fewer_tets", "The mesh has " + std::to_string(best.tets.rows()) +
-                                              " tets instead of " +
-                                              std::to_string(params.target_tets));
+                                              " tets instead of " + std::to_string(target_tets));
   TetMesh mesh =
       reorder_along_morton(make_tet_mesh(std::move(best.vertices), std::move(best.tets)));
   ctx.progress(Stage::tetrahedralize, 1.0);
@@ -385,10 +388,14 @@ TetMesh tetrahedralize(const TriMesh& surface, const TetrahedralizeParams& param
 
 namespace s3 {
 
-TetMesh tetrahedralize(const TriMesh&, const TetrahedralizeParams&, Context&) {
+bool has_tetgen() {
+  return false;
+}
+
+TetMesh fill_with_tetgen(const TriMesh&, int, Context&) {
   throw Error(ErrorKind::slicing, Stage::tetrahedralize, "tetrahedralize.unavailable",
-              "This build cannot fill a surface with tets: it was made without TetGen",
-              "Use a volume mesh, or build with -DS3_WITH_TETGEN=ON");
+              "This build was made without TetGen",
+              "Set mesh.backend to auto or stuffing, or build with -DS3_WITH_TETGEN=ON");
 }
 
 }  // namespace s3

@@ -1,5 +1,7 @@
-// From a closed surface to a tet mesh of a wanted size (Sec. 2): the only door to the mesher.
+// From a surface to a tet mesh of a wanted size (Sec. 2): the only door to the meshers.
 #pragma once
+#include <string>
+
 #include "base/context.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/tri_mesh.h"
@@ -9,6 +11,7 @@ namespace s3 {
 
 struct TetrahedralizeParams {
   int target_tets = 100000;
+  std::string backend = "auto";
 };
 
 template <class Visitor>
@@ -21,21 +24,41 @@ void describe(Visitor& v, TetrahedralizeParams& p) {
                              .min = 100,
                              .max = 5e6,
                              .stage = Stage::tetrahedralize});
+  v(p.backend, ParamInfo{.key = "mesh.backend",
+                         .label = "Mesher",
+                         .unit = "",
+                         .doc = "tetgen: keeps the surface exactly, which must be valid; stuffing: "
+                                "takes any triangles and approximates them; auto: tetgen where it "
+                                "works, else stuffing.",
+                         .choices = {"auto", "tetgen", "stuffing"},
+                         .stage = Stage::tetrahedralize});
 }
 
-/// Fills a closed surface with tets of good shape; the surface keeps its form, its triangles may be
-/// split.
+struct Tetrahedralization {
+  TetMesh mesh;          // vertices and tets along a Morton curve, with topology
+  std::string backend;   // "tetgen" or "stuffing": what made it
+  std::string fallback;  // a sentence: why "auto" did not end with TetGen; empty where it did
+};
+
+/// Fills a surface with tets of good shape.
 ///
-/// Shells that are turned inside out bound cavities, which stay empty. The number of tets comes
-/// within about 15 % of the target where the surface allows; a surface whose own triangles force
-/// more is warned about
-/// ("tetrahedralize.more_tets"). Equal input gives equal output on every platform.
-/// @param surface  closed, manifold, oriented, without self-intersections (mesh/validate.h), mm
-/// @return vertices and tets along a Morton curve, with topology
-/// @throws Error "tetrahedralize.failed" if the surface intersects or nearly touches itself,
-/// "tetrahedralize.empty" if
-///         it encloses nothing, "tetrahedralize.unavailable" in a build without TetGen
+/// Coarse triangles are split first, so that the size of tets follows the target and not the input.
+/// TetGen keeps the form of the surface. Isosurface stuffing approximates it: its boundary is a
+/// closed manifold without self-intersections around the points with winding number over 1/2
+/// (mesh/winding_number.h); how far it is from the surface, measure with mesh/surface_distance.h.
+/// Where "auto" falls back on stuffing there is a warning "tetrahedralize.stuffed" with the reason.
+/// Shells that are turned inside out bound cavities, which stay empty.
+/// The number of tets comes within about 15 % of the target where the surface allows; a surface
+/// whose own triangles force more is warned about ("tetrahedralize.more_tets"). Equal input gives
+/// equal output on every platform.
+/// @param surface  mm, finite, indices in range. For TetGen the border of a solid (mesh/validate.h)
+/// @param defect   why the surface is no valid border of a solid, as a sentence; empty for a valid
+///                 one. With a defect "auto" does not try TetGen, which may not survive it.
+/// @throws Error "tetrahedralize.failed" if TetGen was asked for by name and the surface has a
+///         defect or TetGen fails on it, "tetrahedralize.empty" if the surface encloses nothing,
+///         "tetrahedralize.unavailable" if TetGen was asked for in a build without it
 /// @throws Cancelled
-TetMesh tetrahedralize(const TriMesh& surface, const TetrahedralizeParams& params, Context& ctx);
+Tetrahedralization tetrahedralize(const TriMesh& surface, const TetrahedralizeParams& params,
+                                  Context& ctx, const std::string& defect = {});
 
 }  // namespace s3

@@ -1,13 +1,13 @@
-#include "metrics/surface_samples.h"
+#include "mesh/surface_samples.h"
 
 #include <cmath>
-#include <vector>
 
 namespace s3 {
 
-Points sample_surface(const TriMesh& surface, double count) {
+Points sample_surface(const TriMesh& surface, double count, std::vector<Index>* triangles) {
   const double spacing_area = surface_area(surface) / count;
   std::vector<Vec3> points;
+  if (triangles) triangles->clear();
   double due = 0.5;  // samples owed: carries the remainders from triangle to triangle
   double u = 0.5, v = 0.5;
   for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f) {
@@ -20,6 +20,7 @@ Points sample_surface(const TriMesh& surface, double count) {
       v = std::fmod(v + 0.5698402909980532, 1.0);
       const double a = u + v > 1 ? 1 - u : u, b = u + v > 1 ? 1 - v : v;
       points.push_back((1 - a - b) * corner(0) + a * corner(1) + b * corner(2));
+      if (triangles) triangles->push_back(static_cast<Index>(f));
     }
   }
   Points rows(static_cast<Eigen::Index>(points.size()), 3);
