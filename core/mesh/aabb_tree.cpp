@@ -238,6 +238,11 @@ Index AabbTree::build(std::vector<BuildItem>& items, std::size_t begin, std::siz
     for (std::size_t i = cuts[k]; i < cuts[k + 1]; ++i) bounds.add(items[i].bounds);
     const std::size_t count = cuts[k + 1] - cuts[k];
     const bool leaf = count <= kLeafSize;
+    // Which triangle wins at equal distances must not depend on the library's nth_element.
+    if (leaf)
+      std::sort(items.begin() + static_cast<std::ptrdiff_t>(cuts[k]),
+                items.begin() + static_cast<std::ptrdiff_t>(cuts[k + 1]),
+                [](const BuildItem& a, const BuildItem& b) { return a.triangle < b.triangle; });
     const Index first =
         leaf ? static_cast<Index>(cuts[k]) : build(items, cuts[k], cuts[k + 1], depth + 1);
     Node& node = nodes_[static_cast<std::size_t>(index)];  // build() may have moved the nodes

@@ -10,30 +10,35 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/validate.h"
+
 namespace s3 {
 
 namespace {
 
 // Distances as shares of the lattice's edge.
-constexpr double kOnSurface = 0.35;  // a boundary vertex this near belongs to the surface
-constexpr double kReach = 0.75;      // how far a vertex may go to a sharp edge or corner
+constexpr double kOnSurface = 0.35;   // a boundary vertex this near belongs to the surface
+constexpr double kCurveReach = 0.75;  // how far a vertex may go to a sharp edge
+constexpr double kCornerReach = 1.0;  // and to a corner
 constexpr double kArrived = 1e-9;
 // Sines of dihedral angles: what a move must keep, and what smoothing works for.
 constexpr double kKeepSine = 0.14;    // 8°
 constexpr double kWantedSine = 0.45;  // 27°
 constexpr int kRounds = 10;
 constexpr int kFinalSweeps = 6;
+// How often the fit starts again with vertices kept in place; then all of them stay.
+constexpr int kAttempts = 6;
 
-enum class Bond : char { inner, surface, curve, corner, hole };
+enum class Bond : char { inner, surface, curve, corner, fixed };
 
 class Fit {
  public:
   Fit(TetMesh& mesh, const SurfaceSolid& solid, const FeatureCurves& curves, double size,
-      Context& ctx)
+      const std::vector<char>& fixed, Context& ctx)
       : mesh_(mesh), solid_(solid), curves_(curves), size_(size), ctx_(ctx) {
     list_tets();
     list_edges();
-    bind_to_surface();
+    bind_to_surface(fixed);
   }
 
   void run() {
@@ -109,7 +114,7 @@ class Fit {
 
   // --- bonds -------------------------------------------------------------------------------------
 
-  void bind_to_surface() {
+  void bind_to_surface(const std::vector<char>& fixed) {
     const auto n = static_cast<std::size_t>(mesh_.vertex_count());
     bond_.assign(n, Bond::inner);
     normal_.assign(n, Vec3::Zero());
@@ -120,7 +125,9 @@ class Fit {
     boundary_.erase(std::unique(boundary_.begin(), boundary_.end()), boundary_.end());
     for (const Index v : boundary_) {
       const Closest closest = solid_.tree.closest(at(v), kOnSurface * size_);
-      bond(v) = closest.triangle < 0 ? Bond::hole : Bond::surface;
+      // What is far from the surface closes a hole and stays as it is.
+      const bool stays = closest.triangle < 0 || fixed[static_cast<std::size_t>(v)];
+      bond(v) = stays ? Bond::fixed : Bond::surface;
       if (closest.triangle >= 0) normal_[static_cast<std::size_t>(v)] = solid_.normal(closest);
     }
   }
@@ -133,7 +140,7 @@ class Fit {
       points.row(static_cast<Eigen::Index>(i)).setConstant(boundary_[i]);
     const AabbTree tree(mesh_.vertices, points);
     for (const Vec3& corner : curves_.corners) {
-      const Closest closest = tree.closest(corner, kReach * size_);
+      const Closest closest = tree.closest(corner, kCornerReach * size_);
       if (closest.triangle < 0) continue;
       const Index v = boundary_[static_cast<std::size_t>(closest.triangle)];
       if (bond(v) != Bond::surface) continue;
@@ -146,7 +153,7 @@ class Fit {
   // ends, and a sharp edge is near.
   bool crosses_curve(const std::array<Index, 2>& edge) {
     const auto& [a, b] = edge;
-    if (bond(a) == Bond::hole || bond(b) == Bond::hole) return false;
+    if (bond(a) == Bond::fixed || bond(b) == Bond::fixed) return false;
     const Vec3 &na = normal_[static_cast<std::size_t>(a)],
                &nb = normal_[static_cast<std::size_t>(b)];
     if (na.dot(nb) > kSharpCosine) return false;
@@ -174,7 +181,7 @@ class Fit {
     for (std::size_t i = 0; i < at_vertex.size(); ++i) {
       const Index v = at_vertex[i].first;
       if ((i > 0 && at_vertex[i - 1].first == v) || bond(v) == Bond::corner) continue;
-      const Closest closest = curves_.segments.closest(at(v), kReach * size_);
+      const Closest closest = curves_.segments.closest(at(v), kCurveReach * size_);
       if (closest.triangle < 0) continue;
       target_[static_cast<std::size_t>(v)] = closest.point;
       candidates.emplace_back(closest.distance, v);
@@ -255,7 +262,7 @@ class Fit {
       case Bond::inner:
         return true;
       case Bond::corner:
-      case Bond::hole:
+      case Bond::fixed:
         return false;
       case Bond::surface: {
         const Closest closest = solid_.tree.closest(p, kOnSurface * size_);
@@ -288,7 +295,7 @@ class Fit {
   }
 
   bool improve(Index v, double now) {
-    if (bond(v) == Bond::corner || bond(v) == Bond::hole) return false;
+    if (bond(v) == Bond::corner || bond(v) == Bond::fixed) return false;
     constexpr double kGain = 1e-3;
     constexpr std::array<double, 4> kSteps = {0.2, 0.1, 0.05, 0.02};
     bool any = false;
@@ -331,11 +338,37 @@ class Fit {
   std::vector<Vec3> target_;  // of vertices bound to a curve or corner
 };
 
+// Marks the vertices of boundary faces that meet others, and those of the faces beside. @return
+// false if there are none
+bool mark_crossings(const TetMesh& mesh, std::vector<char>& fixed, const Context& ctx) {
+  const MeshReport report = inspect_surface(boundary_surface(mesh), &ctx);
+  if (report.self_intersections.count == 0) return false;
+  std::vector<char> crossing(fixed.size(), 0);
+  for (const auto& pair : report.intersecting_pairs)
+    for (const Index face : pair)
+      for (int i = 0; i < 3; ++i)
+        crossing[static_cast<std::size_t>(mesh.boundary_faces(face, i))] = 1;
+  for (Eigen::Index f = 0; f < mesh.boundary_faces.rows(); ++f) {
+    bool beside = false;
+    for (int i = 0; i < 3; ++i)
+      beside = beside || crossing[static_cast<std::size_t>(mesh.boundary_faces(f, i))];
+    for (int i = 0; beside && i < 3; ++i)
+      fixed[static_cast<std::size_t>(mesh.boundary_faces(f, i))] = 1;
+  }
+  return true;
+}
+
 }  // namespace
 
 void fit_boundary(TetMesh& mesh, const SurfaceSolid& solid, const FeatureCurves& curves,
                   double size, Context& ctx) {
-  Fit(mesh, solid, curves, size, ctx).run();
+  const Points start = mesh.vertices;
+  std::vector<char> fixed(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    Fit(mesh, solid, curves, size, fixed, ctx).run();
+    if (!mark_crossings(mesh, fixed, ctx)) return;
+    mesh.vertices = start;
+  }
 }
 
 }  // namespace s3

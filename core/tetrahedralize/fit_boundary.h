@@ -10,6 +10,9 @@ namespace s3 {
 /// Moves vertices so that boundary edges run along the sharp edges of the surface, and so that the
 /// worst dihedral angles get better. Boundary vertices stay on the surface; no tet is turned over
 /// or made worse than about 8° (or than it was). Connectivity stays.
+/// @param mesh  a boundary that does not intersect itself; it will not afterwards: vertices where
+/// it
+///              would keep their place
 /// @param size  mm, the lattice's edge: the scale of what may move
 void fit_boundary(TetMesh& mesh, const SurfaceSolid& solid, const FeatureCurves& curves,
                   double size, Context& ctx);

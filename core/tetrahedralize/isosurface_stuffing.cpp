@@ -8,10 +8,12 @@
 #include <cstdio>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "mesh/reorder.h"
+#include "mesh/weld.h"
 #include "tetrahedralize/bcc_lattice.h"
 #include "tetrahedralize/feature_curves.h"
 #include "tetrahedralize/fit_boundary.h"
@@ -29,22 +31,27 @@ constexpr double kCountTolerance = 0.08;
 constexpr double kAllowedMiss = 0.15;
 constexpr int kMaxRuns = 6;
 // A volume that is off by more than this is worth a warning.
-constexpr double kVolumeSlack = 0.02;
+constexpr double kVolumeSlack = 0.03;
 
 struct Filling {
   BccLattice lattice;
   TetMesh mesh;
-  double solid_volume = 0;  // mm³, by the share of lattice vertices inside
+  // By counts of lattice vertices, mm³: the volume where the winding number is over 1/2, and the
+  // integral of what the winding number is beyond that (overlaps, shells inside out).
+  double solid_volume = 0, excess = 0;
 };
 
 Filling fill_lattice(const SurfaceSolid& solid, double size, Context& ctx) {
   Filling filling;
   filling.lattice = lattice_around(solid.box.min, solid.box.max, size);
-  const std::vector<char> inside = inside_flags(filling.lattice, solid, ctx);
-  const auto vertices_inside = static_cast<double>(std::count(inside.begin(), inside.end(), 1));
-  filling.solid_volume = vertices_inside * size * size * size / 2;
-  filling.mesh = stuff_lattice(filling.lattice, inside,
-                               lattice_cuts(filling.lattice, inside, solid, ctx), ctx);
+  const std::vector<signed char> winding = winding_at_vertices(filling.lattice, solid, ctx);
+  const double share = size * size * size / 2;
+  for (const signed char w : winding) {
+    filling.solid_volume += w > 0 ? share : 0;
+    filling.excess += share * (w > 0 ? w - 1 : w);
+  }
+  filling.mesh = stuff_lattice(filling.lattice, winding,
+                               lattice_cuts(filling.lattice, winding, solid, ctx), ctx);
   return filling;
 }
 
@@ -112,6 +119,37 @@ void warn_about_count(double count, int target, Context& ctx) {
                  std::to_string(target));
 }
 
+// Every edge is run along as often in one direction as in the other.
+bool is_closed(const TriMesh& surface) {
+  Welder welder(static_cast<std::size_t>(surface.vertices.rows()));
+  std::vector<Index> vertex(static_cast<std::size_t>(surface.vertices.rows()));
+  for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
+    vertex[static_cast<std::size_t>(v)] = welder.add(surface.vertices.row(v));
+  std::vector<std::tuple<Index, Index, int>> edges;
+  for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f)
+    for (int i = 0; i < 3; ++i) {
+      const Index a = vertex[static_cast<std::size_t>(surface.triangles(f, i))],
+                  b = vertex[static_cast<std::size_t>(surface.triangles(f, (i + 1) % 3))];
+      edges.emplace_back(std::min(a, b), std::max(a, b), a < b ? 1 : a > b ? -1 : 0);
+    }
+  std::sort(edges.begin(), edges.end());
+  int balance = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto& [a, b, direction] = edges[i];
+    balance += direction;
+    const bool last =
+        i + 1 == edges.size() || std::get<0>(edges[i + 1]) != a || std::get<1>(edges[i + 1]) != b;
+    if (last && balance != 0) return false;
+  }
+  return true;
+}
+
+// The volume where the winding number is over 1/2, mm³. A closed surface encloses the integral of
+// the winding number, so that only overlaps are left to counting.
+double solid_volume(const TriMesh& surface, const Filling& filling) {
+  return is_closed(surface) ? enclosed_volume(surface) - filling.excess : filling.solid_volume;
+}
+
 void warn_about_volume(double volume, double solid_volume, double size, Context& ctx) {
   if (std::abs(volume - solid_volume) <= kVolumeSlack * solid_volume) return;
   char edge[32];
@@ -136,8 +174,8 @@ TetMesh fill_by_stuffing(const TriMesh& surface, int target_tets, Context& ctx) 
   fit_boundary(filling.mesh, solid, feature_curves(surface), filling.lattice.size, ctx);
   ctx.progress(Stage::tetrahedralize, 0.9);
   warn_about_count(filling.mesh.tet_count(), target_tets, ctx);
-  warn_about_volume(tet_volumes(filling.mesh).sum(), filling.solid_volume, filling.lattice.size,
-                    ctx);
+  warn_about_volume(tet_volumes(filling.mesh).sum(), solid_volume(surface, filling),
+                    filling.lattice.size, ctx);
   TetMesh mesh = reorder_along_morton(filling.mesh);
   ctx.progress(Stage::tetrahedralize, 1.0);
   return mesh;

@@ -16,6 +16,7 @@ constexpr int kBisections = 12;
 // its middle, and the winding number there this far from 1/2.
 constexpr double kFarRadii = 2;
 constexpr double kSureOf = 0.35;
+constexpr double kMaxLevel = 100;
 
 // Half-open ranges of cells.
 struct Block {
@@ -25,8 +26,9 @@ struct Block {
 
 class Classifier {
  public:
-  Classifier(const BccLattice& lattice, const SurfaceSolid& solid, std::vector<char>& inside)
-      : lattice_(lattice), solid_(solid), inside_(inside) {}
+  Classifier(const BccLattice& lattice, const SurfaceSolid& solid,
+             std::vector<signed char>& winding)
+      : lattice_(lattice), solid_(solid), winding_(winding) {}
 
   // Sets whole blocks far from the surface at once.
   void visit(const Block& block) {
@@ -41,25 +43,30 @@ class Classifier {
     if (block.cells() > 1) {
       if (solid_.tree.closest(middle, reach).triangle < 0) {
         const double w = solid_.winding.at(middle);
-        if (std::abs(w - 0.5) > kSureOf) return set(block, w > 0.5);
+        if (std::abs(w - 0.5) > kSureOf) return set(block, level(w));
       }
       return split(block);
     }
     for (int kind = 0; kind < 2; ++kind) {
       const BccLattice::Place p{block.low, kind};
-      inside_[static_cast<std::size_t>(lattice_.index(p))] =
-          solid_.winding.is_inside(lattice_.position(p));
+      winding_[static_cast<std::size_t>(lattice_.index(p))] =
+          level(solid_.winding.at(lattice_.position(p)));
     }
   }
 
  private:
-  void set(const Block& block, bool inside) {
-    if (!inside) return;  // as they are
+  // Positive exactly where the winding number is over 1/2.
+  static signed char level(double w) {
+    return static_cast<signed char>(std::clamp(std::ceil(w - 0.5), -kMaxLevel, kMaxLevel));
+  }
+
+  void set(const Block& block, signed char level) {
+    if (level == 0) return;  // as they are
     for (Index z = block.low[2]; z < block.high[2]; ++z)
       for (Index y = block.low[1]; y < block.high[1]; ++y)
         for (Index x = block.low[0]; x < block.high[0]; ++x)
           for (int kind = 0; kind < 2; ++kind)
-            inside_[static_cast<std::size_t>(lattice_.index({{x, y, z}, kind}))] = 1;
+            winding_[static_cast<std::size_t>(lattice_.index({{x, y, z}, kind}))] = level;
   }
 
   void split(const Block& block) {
@@ -74,7 +81,7 @@ class Classifier {
 
   const BccLattice& lattice_;
   const SurfaceSolid& solid_;
-  std::vector<char>& inside_;
+  std::vector<signed char>& winding_;
 };
 
 double bisect(const Vec3& inner, const Vec3& outer, const WindingNumber& winding, double& low,
@@ -106,8 +113,9 @@ void find_cut(LatticeCut& cut, const BccLattice& lattice, const SurfaceSolid& so
 
 }  // namespace
 
-std::vector<char> inside_flags(const BccLattice& lattice, const SurfaceSolid& solid, Context& ctx) {
-  std::vector<char> inside(static_cast<std::size_t>(lattice.count()), 0);
+std::vector<signed char> winding_at_vertices(const BccLattice& lattice, const SurfaceSolid& solid,
+                                             Context& ctx) {
+  std::vector<signed char> winding(static_cast<std::size_t>(lattice.count()), 0);
   // Slabs of cells as jobs: enough of them for any number of threads.
   constexpr Index kSlab = 4;
   const auto slabs = static_cast<std::size_t>((lattice.counts[2] + kSlab - 1) / kSlab);
@@ -115,15 +123,16 @@ std::vector<char> inside_flags(const BccLattice& lattice, const SurfaceSolid& so
     for (std::size_t s = begin; s < end; ++s) {
       ctx.checkpoint();
       const auto z = kSlab * static_cast<Index>(s);
-      Classifier(lattice, solid, inside)
+      Classifier(lattice, solid, winding)
           .visit({{0, 0, z},
                   {lattice.counts[0], lattice.counts[1], std::min(z + kSlab, lattice.counts[2])}});
     }
   });
-  return inside;
+  return winding;
 }
 
-std::vector<LatticeCut> lattice_cuts(const BccLattice& lattice, const std::vector<char>& inside,
+std::vector<LatticeCut> lattice_cuts(const BccLattice& lattice,
+                                     const std::vector<signed char>& winding,
                                      const SurfaceSolid& solid, Context& ctx) {
   std::vector<LatticeCut> cuts;
   std::array<Index, 11> others;
@@ -131,8 +140,8 @@ std::vector<LatticeCut> lattice_cuts(const BccLattice& lattice, const std::vecto
     const int n = lattice.own_edges(v, others);
     for (int i = 0; i < n; ++i) {
       const Index other = others[static_cast<std::size_t>(i)];
-      const bool v_inside = inside[static_cast<std::size_t>(v)] != 0;
-      if (v_inside == (inside[static_cast<std::size_t>(other)] != 0)) continue;
+      const bool v_inside = winding[static_cast<std::size_t>(v)] > 0;
+      if (v_inside == (winding[static_cast<std::size_t>(other)] > 0)) continue;
       cuts.push_back({v_inside ? v : other, v_inside ? other : v, 0, Vec3::Zero()});
     }
   }

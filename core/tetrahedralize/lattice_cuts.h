@@ -31,13 +31,16 @@ struct LatticeCut {
   Vec3 point;  // mm
 };
 
-/// One flag a lattice vertex: inside the solid.
-std::vector<char> inside_flags(const BccLattice& lattice, const SurfaceSolid& solid, Context& ctx);
+/// The winding number at each lattice vertex, rounded and clamped to ±100; positive is inside.
+std::vector<signed char> winding_at_vertices(const BccLattice& lattice, const SurfaceSolid& solid,
+                                             Context& ctx);
 
 /// One cut for each edge between inside and outside, ordered by the owner of the edge
 /// (BccLattice::own_edges). Where the edge crosses the surface itself once, the cut lies on it;
 /// where it passes a hole, on the sheet of winding number 1/2.
-std::vector<LatticeCut> lattice_cuts(const BccLattice& lattice, const std::vector<char>& inside,
+/// @param winding  by winding_at_vertices()
+std::vector<LatticeCut> lattice_cuts(const BccLattice& lattice,
+                                     const std::vector<signed char>& winding,
                                      const SurfaceSolid& solid, Context& ctx);
 
 }  // namespace s3

@@ -24,13 +24,13 @@ enum class Side : signed char { outside = -1, border = 0, inside = 1 };
 
 class Stuffing {
  public:
-  Stuffing(const BccLattice& lattice, const std::vector<char>& inside,
+  Stuffing(const BccLattice& lattice, const std::vector<signed char>& winding,
            const std::vector<LatticeCut>& cuts)
       : lattice_(lattice),
         given_(cuts),
-        frozen_(inside.size(), 0),
-        inside_(inside),
-        vertex_of_(inside.size(), -1) {
+        frozen_(winding.size(), 0),
+        winding_(winding),
+        vertex_of_(winding.size(), -1) {
     std::sort(given_.begin(), given_.end(), [](const LatticeCut& a, const LatticeCut& b) {
       return std::tie(a.inner, a.outer) < std::tie(b.inner, b.outer);
     });
@@ -69,9 +69,9 @@ class Stuffing {
   void warp() {
     cuts_ = given_;
     alive_.assign(cuts_.size(), 1);
-    side_.resize(inside_.size());
-    for (std::size_t v = 0; v < inside_.size(); ++v)
-      side_[v] = inside_[v] ? Side::inside : Side::outside;
+    side_.resize(winding_.size());
+    for (std::size_t v = 0; v < winding_.size(); ++v)
+      side_[v] = winding_[v] > 0 ? Side::inside : Side::outside;
     moved_.clear();
 
     std::vector<std::tuple<double, Index, Index>> candidates;
@@ -268,7 +268,7 @@ class Stuffing {
   std::vector<LatticeCut> given_;  // sorted by ends
   std::vector<End> ends_;          // the cuts at each vertex
   std::vector<char> frozen_;
-  const std::vector<char>& inside_;
+  const std::vector<signed char>& winding_;
 
   std::vector<LatticeCut> cuts_;
   std::vector<char> alive_;
@@ -283,9 +283,9 @@ class Stuffing {
 
 }  // namespace
 
-TetMesh stuff_lattice(const BccLattice& lattice, const std::vector<char>& inside,
+TetMesh stuff_lattice(const BccLattice& lattice, const std::vector<signed char>& winding,
                       const std::vector<LatticeCut>& cuts, Context& ctx) {
-  return Stuffing(lattice, inside, cuts).run(ctx);
+  return Stuffing(lattice, winding, cuts).run(ctx);
 }
 
 }  // namespace s3

@@ -16,10 +16,11 @@ namespace s3 {
 /// dihedral angles are between about 10° and 165°. Where moved vertices would make the boundary
 /// touch itself in a vertex or an edge, they stay in their place and the border runs a little
 /// beside its cuts instead.
+/// @param winding  by winding_at_vertices()
 /// @param cuts  of the lattice's edges, by lattice_cuts()
 /// @return with topology, not reordered; the boundary is a closed manifold without
 ///         self-intersections. Empty when nothing is inside.
-TetMesh stuff_lattice(const BccLattice& lattice, const std::vector<char>& inside,
+TetMesh stuff_lattice(const BccLattice& lattice, const std::vector<signed char>& winding,
                       const std::vector<LatticeCut>& cuts, Context& ctx);
 
 }  // namespace s3
