@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 
 #include "base/error.h"
 #include "mesh/aabb_tree.h"
 #include "mesh/exact_predicates.h"
+#include "mesh/surface_edges.h"
 #include "mesh/weld.h"
 
 namespace s3 {
@@ -17,80 +17,6 @@ namespace {
 constexpr std::size_t kPlacesKept = 100;
 constexpr Index kTrianglesPerCheckpoint = 4096;
 constexpr double kSmallestModel = 1, kLargestModel = 2000;  // mm
-
-void note(Defect& defect, const Vec3& place) {
-  ++defect.count;
-  if (defect.where.size() < kPlacesKept) defect.where.push_back(place);
-}
-
-// Disjoint sets with path halving; the smaller number leads, so that results do not depend on the
-// order of joins.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  Index find(Index i) {
-    while (at(i) != i) i = at(i) = at(at(i));
-    return i;
-  }
-  void join(Index i, Index j) {
-    i = find(i), j = find(j);
-    if (i != j) at(std::max(i, j)) = std::min(i, j);
-  }
-
- private:
-  Index& at(Index i) { return parent_[static_cast<std::size_t>(i)]; }
-  std::vector<Index> parent_;
-};
-
-// One side of a triangle; sorted, the sides of one edge are neighbours.
-struct Side {
-  Index low, high;  // the edge's vertices
-  Index corner;     // 3·triangle + i: from corner i to corner i+1
-  bool forward;     // runs from low to high
-
-  bool same_edge(const Side& o) const { return low == o.low && high == o.high; }
-  bool operator<(const Side& o) const {
-    if (low != o.low) return low < o.low;
-    return high != o.high ? high < o.high : corner < o.corner;
-  }
-};
-
-bool has_repeated_corner(const TriMesh& mesh, Eigen::Index f) {
-  const auto t = mesh.triangles.row(f);
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
-
-// Triangles with a repeated corner have no sides. Counting sort by the lower vertex, then a sort of
-// its few sides.
-std::vector<Side> sorted_sides(const TriMesh& mesh) {
-  const auto for_each_side = [&](auto&& body) {
-    for (Index f = 0; f < mesh.triangles.rows(); ++f) {
-      if (has_repeated_corner(mesh, f)) continue;
-      for (int i = 0; i < 3; ++i) {
-        const Index from = mesh.triangles(f, i), to = mesh.triangles(f, (i + 1) % 3);
-        body(Side{std::min(from, to), std::max(from, to), 3 * f + i, from < to});
-      }
-    }
-  };
-  std::vector<std::size_t> end(static_cast<std::size_t>(mesh.vertices.rows()) + 1, 0);
-  for_each_side([&](const Side& side) { ++end[static_cast<std::size_t>(side.low) + 1]; });
-  std::partial_sum(end.begin(), end.end(), end.begin());
-  std::vector<Side> sides(end.back());
-  for_each_side([&](const Side& side) { sides[end[static_cast<std::size_t>(side.low)]++] = side; });
-  for (std::size_t v = 0, begin = 0; v + 1 < end.size(); begin = end[v++])
-    std::sort(sides.begin() + static_cast<std::ptrdiff_t>(begin),
-              sides.begin() + static_cast<std::ptrdiff_t>(end[v]));
-  return sides;
-}
-
-// body(begin, end) for the sides of every edge.
-template <class Body>
-void for_each_edge(const std::vector<Side>& sides, Body&& body) {
-  for (std::size_t begin = 0, end; begin < sides.size(); begin = end) {
-    for (end = begin + 1; end < sides.size() && sides[begin].same_edge(sides[end]);) ++end;
-    body(begin, end);
-  }
-}
 
 Vec3 vertex(const TriMesh& mesh, Index v) {
   return mesh.vertices.row(v);
@@ -109,11 +35,11 @@ void inspect_edges(const TriMesh& mesh, const std::vector<Side>& sides, MeshRepo
   for_each_edge(sides, [&](std::size_t begin, std::size_t end) {
     const Vec3 middle = 0.5 * (vertex(mesh, sides[begin].low) + vertex(mesh, sides[begin].high));
     if (end - begin == 1)
-      note(report.open_edges, middle);
+      report.open_edges.add(middle);
     else if (end - begin > 2)
-      note(report.nonmanifold_edges, middle);
+      report.nonmanifold_edges.add(middle);
     else if (sides[begin].forward == sides[begin + 1].forward)
-      note(report.inconsistent_edges, middle);
+      report.inconsistent_edges.add(middle);
   });
 }
 
@@ -121,15 +47,12 @@ void inspect_edges(const TriMesh& mesh, const std::vector<Side>& sides, MeshRepo
 // edges with more than two triangles are reported by the edge.
 void inspect_vertices(const TriMesh& mesh, const std::vector<Side>& sides, MeshReport& report) {
   const auto corner_count = static_cast<std::size_t>(3 * mesh.triangles.rows());
-  Sets fans(corner_count);
+  DisjointSets fans(corner_count);
   std::vector<char> on_bad_edge(static_cast<std::size_t>(mesh.vertices.rows()), 0);
-  const auto corner_at = [&](const Side& side, Index v) {
-    const Index f = side.corner / 3, i = side.corner % 3;
-    return mesh.triangles(f, i) == v ? side.corner : 3 * f + (i + 1) % 3;
-  };
   for_each_edge(sides, [&](std::size_t begin, std::size_t end) {
     for (const Index v : {sides[begin].low, sides[begin].high}) {
-      if (end - begin == 2) fans.join(corner_at(sides[begin], v), corner_at(sides[begin + 1], v));
+      if (end - begin == 2)
+        fans.join(corner_at(mesh, sides[begin], v), corner_at(mesh, sides[begin + 1], v));
       if (end - begin > 2) on_bad_edge[static_cast<std::size_t>(v)] = 1;
     }
   });
@@ -141,7 +64,7 @@ void inspect_vertices(const TriMesh& mesh, const std::vector<Side>& sides, MeshR
       const Index leader = fans.find(3 * f + i);
       if (on_bad_edge[v] || fan[v] == leader) continue;
       if (fan[v] >= 0) {
-        note(report.nonmanifold_vertices, mesh.vertices.row(mesh.triangles(f, i)));
+        report.nonmanifold_vertices.add(mesh.vertices.row(mesh.triangles(f, i)));
         on_bad_edge[v] = 1;  // once is enough
       }
       fan[v] = leader;
@@ -162,7 +85,7 @@ void inspect_triangles(const TriMesh& mesh, MeshReport& report, std::vector<char
     const Corners corners = corners_of(mesh, f);
     if (has_repeated_corner(mesh, f) || is_degenerate(corners)) {
       degenerate[static_cast<std::size_t>(f)] = 1;
-      note(report.degenerate_triangles, centroid(corners));
+      report.degenerate_triangles.add(centroid(corners));
     }
     std::array<Index, 4> key = {mesh.triangles(f, 0), mesh.triangles(f, 1), mesh.triangles(f, 2),
                                 f};
@@ -172,7 +95,7 @@ void inspect_triangles(const TriMesh& mesh, MeshReport& report, std::vector<char
   std::sort(keys.begin(), keys.end());
   for (std::size_t i = 1; i < keys.size(); ++i)
     if (std::equal(keys[i].begin(), keys[i].begin() + 3, keys[i - 1].begin()))
-      note(report.duplicate_triangles, centroid(corners_of(mesh, keys[i][3])));
+      report.duplicate_triangles.add(centroid(corners_of(mesh, keys[i][3])));
 }
 
 // Turns the corners so that those shared with the other triangle come first. @return how many are
@@ -232,29 +155,11 @@ void find_intersections(const TriMesh& mesh, const std::vector<char>& degenerate
     for (const Index g : candidates) {
       if (g <= f || degenerate[static_cast<std::size_t>(g)] || !pair_intersects(mesh, f, g))
         continue;
-      note(report.self_intersections, 0.5 * (centroid(t) + centroid(corners_of(mesh, g))));
+      report.self_intersections.add(0.5 * (centroid(t) + centroid(corners_of(mesh, g))));
       report.intersecting_pairs.push_back({f, g});
       if (report.self_intersections.count >= MeshReport::kMaxIntersections) return;
     }
   }
-}
-
-// #F: the shell of every triangle, in the order of their first triangles.
-std::vector<Index> shell_of_triangles(const TriMesh& mesh, const std::vector<Side>& sides,
-                                      Index& shells) {
-  const auto n = static_cast<std::size_t>(mesh.triangles.rows());
-  Sets sets(n);
-  for_each_edge(sides, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin + 1; i < end; ++i)
-      sets.join(sides[begin].corner / 3, sides[i].corner / 3);
-  });
-  std::vector<Index> shell(n, -1);
-  shells = 0;
-  for (std::size_t f = 0; f < n; ++f) {
-    const auto leader = static_cast<std::size_t>(sets.find(static_cast<Index>(f)));
-    shell[f] = leader == f ? shells++ : shell[leader];
-  }
-  return shell;
 }
 
 // Number of other shells that contain the shell's first corner: parity of crossings along three
@@ -289,7 +194,7 @@ std::vector<Index> shell_depths(const TriMesh& mesh, const std::vector<Index>& s
   return depth;
 }
 
-// In the order of shell_of_triangles().
+// In the order of connected_parts().
 std::vector<Shell> measured_shells(const TriMesh& mesh, const std::vector<Index>& shell,
                                    Index count, bool closed) {
   std::vector<Shell> shells(static_cast<std::size_t>(count));
@@ -308,12 +213,12 @@ std::vector<Shell> measured_shells(const TriMesh& mesh, const std::vector<Index>
   return shells;
 }
 
-bool is_closed_and_oriented(const std::vector<Side>& sides) {
-  bool good = true;
-  for_each_edge(sides, [&](std::size_t begin, std::size_t end) {
-    good = good && end - begin == 2 && sides[begin].forward != sides[begin + 1].forward;
-  });
-  return good;
+Shells measure_shells(const TriMesh& mesh, const std::vector<Side>& sides) {
+  Shells result;
+  Index count = 0;
+  result.of_triangle = connected_parts(mesh, sides, false, count);
+  result.shells = measured_shells(mesh, result.of_triangle, count, is_closed_and_oriented(sides));
+  return result;
 }
 
 std::size_t open_edge_count(const TriMesh& mesh) {
@@ -357,31 +262,13 @@ void weld_if_it_closes(TriMesh& mesh, std::vector<std::string>& repairs) {
   drop_repeated_corners(mesh, repairs);
 }
 
-void drop_unused_vertices(TriMesh& mesh, std::vector<std::string>& repairs) {
-  std::vector<Index> number(static_cast<std::size_t>(mesh.vertices.rows()), -1);
-  for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i)
-    number[static_cast<std::size_t>(mesh.triangles.data()[i])] = 0;
-  Index kept = 0;
-  for (Index v = 0; v < mesh.vertices.rows(); ++v) {
-    if (number[static_cast<std::size_t>(v)] < 0) continue;
-    mesh.vertices.row(kept) = mesh.vertices.row(v);
-    number[static_cast<std::size_t>(v)] = kept++;
-  }
-  const auto dropped = static_cast<std::size_t>(mesh.vertices.rows() - kept);
-  if (dropped == 0) return;
-  mesh.vertices.conservativeResize(kept, 3);
-  for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i)
-    mesh.triangles.data()[i] = number[static_cast<std::size_t>(mesh.triangles.data()[i])];
-  repairs.push_back(counted(dropped, "unused vertex", "unused vertices") + " removed");
-}
-
 // A shell without any shell around it must face outward; when every shell is the wrong way round,
 // the file means it so.
 void turn_inverted_shells(TriMesh& mesh, std::vector<std::string>& repairs) {
   const std::vector<Side> sides = sorted_sides(mesh);
   if (mesh.triangles.rows() == 0 || !is_closed_and_oriented(sides)) return;
   Index count = 0;
-  const std::vector<Index> shell = shell_of_triangles(mesh, sides, count);
+  const std::vector<Index> shell = connected_parts(mesh, sides, false, count);
   const std::vector<Shell> shells = measured_shells(mesh, shell, count, true);
   const bool all =
       std::all_of(shells.begin(), shells.end(), [](const Shell& s) { return s.inverted; });
@@ -414,6 +301,11 @@ void require_none(const Defect& defect, const char* code, const std::string& wha
 
 }  // namespace
 
+void Defect::add(const Vec3& place) {
+  ++count;
+  if (where.size() < kPlacesKept) where.push_back(place);
+}
+
 Index MeshReport::inverted_shells() const {
   return static_cast<Index>(
       std::count_if(shells.begin(), shells.end(), [](const Shell& s) { return s.inverted; }));
@@ -441,13 +333,15 @@ MeshReport inspect_surface(const TriMesh& mesh, const Context* ctx) {
   inspect_triangles(mesh, report, degenerate);
   find_intersections(mesh, degenerate, ctx, report);
 
-  Index shells = 0;
-  const std::vector<Index> shell = shell_of_triangles(mesh, sides, shells);
-  report.shells = measured_shells(mesh, shell, shells, is_closed_and_oriented(sides));
+  report.shells = measure_shells(mesh, sides).shells;
   std::stable_sort(report.shells.begin(), report.shells.end(), [](const Shell& a, const Shell& b) {
     return std::abs(a.volume) > std::abs(b.volume);
   });
   return report;
+}
+
+Shells measure_shells(const TriMesh& mesh) {
+  return measure_shells(mesh, sorted_sides(mesh));
 }
 
 void require_valid_surface(const MeshReport& report) {
@@ -484,7 +378,10 @@ std::vector<std::string> clean_surface(TriMesh& mesh) {
   std::vector<std::string> repairs;
   drop_repeated_corners(mesh, repairs);
   weld_if_it_closes(mesh, repairs);
-  drop_unused_vertices(mesh, repairs);
+  if (const Index dropped = drop_unused_vertices(mesh))
+    repairs.push_back(
+        counted(static_cast<std::size_t>(dropped), "unused vertex", "unused vertices") +
+        " removed");
   turn_inverted_shells(mesh, repairs);
   return repairs;
 }

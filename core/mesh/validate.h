@@ -14,6 +14,8 @@ namespace s3 {
 struct Defect {
   Index count = 0;
   std::vector<Vec3> where;
+
+  void add(const Vec3& place);
 };
 
 /// A part of the surface that hangs together by edges.
@@ -54,6 +56,14 @@ struct MeshReport {
 /// @param mesh  indices in range (as from read_model)
 /// @param ctx   may be null; asked for a cancel on the way
 MeshReport inspect_surface(const TriMesh& mesh, const Context* ctx = nullptr);
+
+/// The shells of a surface: which triangle belongs to which, and what each is.
+struct Shells {
+  std::vector<Index> of_triangle;  // #F
+  std::vector<Shell> shells;       // in the order of their first triangles
+};
+/// Depth and inversion are known where all shells are closed and oriented.
+Shells measure_shells(const TriMesh& mesh);
 
 /// @throws Error "mesh.empty", "mesh.open_boundary", "mesh.non_manifold",
 /// "mesh.inconsistent_orientation",

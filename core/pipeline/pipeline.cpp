@@ -17,7 +17,6 @@
 #include "params/param_visitors.h"
 #include "pipeline/evaluate.h"
 #include "pipeline/prepare_mesh.h"
-#include "tetrahedralize/tetrahedralize.h"
 #include "toolpaths/contour_parallel.h"
 #include "waypoints/make_waypoints.h"
 
@@ -88,8 +87,7 @@ void Pipeline::read_model(Context& ctx) {
 
 void Pipeline::make_tets(Context& ctx) {
   if (artifacts_.model.is_volume) return;  // used as it is
-  artifacts_.rest = tetrahedralize(artifacts_.surface, params_.mesh, ctx).mesh;
-  artifacts_.file_order = {};
+  fill_surface(params_.mesh, artifacts_, ctx);
 }
 
 void Pipeline::import_stress(Context&) {

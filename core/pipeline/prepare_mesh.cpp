@@ -1,10 +1,14 @@
 #include "pipeline/prepare_mesh.h"
 
+#include <cstdio>
 #include <utility>
 
+#include "base/error.h"
 #include "mesh/placement.h"
 #include "mesh/reorder.h"
+#include "mesh/repair.h"
 #include "mesh/validate.h"
+#include "tetrahedralize/tetrahedralize.h"
 
 namespace s3 {
 namespace {
@@ -30,20 +34,74 @@ void prepare_volume(ModelFile file, const InputParams& params, Artifacts& artifa
   warn_about_units(bounding_box(artifacts.surface.vertices), ctx);
   artifacts.model.triangles = static_cast<Index>(artifacts.surface.triangles.rows());
   artifacts.model.volume = enclosed_volume(artifacts.surface);
+  artifacts.filling = {"file", {}, false, {}, 0};
 }
 
 void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artifacts,
                      Context& ctx) {
-  TriMesh surface = std::move(file.surface);
-  artifacts.model.triangles = static_cast<Index>(surface.triangles.rows());
-  artifacts.model.repairs = clean_surface(surface);
-  require_valid_surface(inspect_surface(surface, &ctx));
+  artifacts.model.triangles = static_cast<Index>(file.surface.triangles.rows());
+  RepairResult repaired = repair_surface(std::move(file.surface), ctx);
+  artifacts.model.repairs = std::move(repaired.changes);
+  artifacts.model.defect = std::move(repaired.reason);
+  TriMesh surface = std::move(repaired.surface);
   artifacts.placement =
       placement(surface.vertices, surface.triangles, params, &artifacts.model.orientations, &ctx);
   transform_points(artifacts.placement, surface.vertices);
   warn_about_units(bounding_box(surface.vertices), ctx);
-  artifacts.model.volume = enclosed_volume(surface);
-  artifacts.surface = std::move(surface);
+  if (artifacts.model.defect.empty()) artifacts.model.volume = enclosed_volume(surface);
+  artifacts.surface = surface;
+  artifacts.given = std::move(surface);
+}
+
+namespace {
+
+[[noreturn]] void throw_no_volume() {
+  throw Error(ErrorKind::input, Stage::tetrahedralize, "mesh.no_volume",
+              "The triangles enclose no volume: nowhere are more of them in front of a point than "
+              "behind it",
+              "Close the surface and let its triangles face outward, or give sheets a thickness");
+}
+
+Tetrahedralization tets_of(const Artifacts& artifacts, const TetrahedralizeParams& params,
+                           Context& ctx) {
+  try {
+    return tetrahedralize(artifacts.given, params, ctx, artifacts.model.defect);
+  } catch (const Error& error) {
+    if (error.code == "tetrahedralize.empty") throw_no_volume();
+    throw;
+  }
+}
+
+void warn_about_rebuild(const Filling& filling, Context& ctx) {
+  const DistanceFigures &to = filling.distance.from_made, &back = filling.distance.from_given;
+  const bool worst_back = back.max > to.max;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "The solid was rebuilt from the triangles: 95 %% of its surface is within %.3g mm "
+                "of theirs (%.2g %% of the diagonal), the farthest point %.3g mm away",
+                filling.distance.p95(), 100 * filling.distance.p95() / filling.diagonal,
+                filling.distance.max());
+  ctx.warn("mesh.rebuilt", text, {worst_back ? back.place : to.place});
+}
+
+}  // namespace
+
+void fill_surface(const TetrahedralizeParams& params, Artifacts& artifacts, Context& ctx) {
+  Tetrahedralization made = tets_of(artifacts, params, ctx);
+  artifacts.rest = std::move(made.mesh);
+  artifacts.file_order = {};
+  Filling& filling = artifacts.filling;
+  filling = {made.backend, made.fallback, made.backend == "stuffing", {}, 0};
+  filling.diagonal = bounding_box(artifacts.given.vertices).diagonal();
+  artifacts.surface = artifacts.given;
+  if (!filling.rebuilt) return;
+  const TriMesh boundary = boundary_surface(artifacts.rest);
+  const WindingNumber solid(artifacts.given);
+  filling.distance = surface_distance(boundary, artifacts.given, &solid, ctx);
+  warn_about_rebuild(filling, ctx);
+  if (artifacts.model.defect.empty()) return;  // the given surface stays the measure
+  artifacts.model.volume = enclosed_volume(boundary);
+  artifacts.surface = boundary;
 }
 
 }  // namespace s3

@@ -12,8 +12,14 @@ namespace s3 {
 /// @throws Error as make_tet_mesh() and placement()
 void prepare_volume(ModelFile file, const InputParams& params, Artifacts& artifacts, Context& ctx);
 
-/// A surface file: cleaned, checked and placed. Fills model, placement and surface.
-/// @throws Error as require_valid_surface() and placement()
+/// A surface file: repaired and placed. Fills model, placement, given and surface.
+/// @throws Error as repair_surface() and placement()
 void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artifacts, Context& ctx);
+
+/// Tets for artifacts.given. Fills rest, filling, and, where the mesher could only approximate a
+/// surface that is no border of a solid, surface and model.volume: from there on the rebuilt solid
+/// is the model. Warns ("mesh.rebuilt") with the distance between the two.
+/// @throws Error "mesh.no_volume" where the triangles enclose nothing; as tetrahedralize()
+void fill_surface(const TetrahedralizeParams& params, Artifacts& artifacts, Context& ctx);
 
 }  // namespace s3

@@ -13,17 +13,52 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+Json places_json(const std::vector<Vec3>& places) {
+  Json json = Json::array();
+  for (const Vec3& place : places) json.push_back({place.x(), place.y(), place.z()});
+  return json;
+}
+
 Json input_json(const Pipeline& pipeline, const std::string& file) {
   const ModelInfo& model = pipeline.artifacts().model;
+  Json sentences = Json::array(), details = Json::array();
+  for (const RepairChange& change : model.repairs) {
+    sentences.push_back(change.sentence);
+    details.push_back(
+        {{"code", change.code}, {"count", change.count}, {"where", places_json(change.places)}});
+  }
   return {{"file", file},
           {"triangles", model.triangles},
-          {"volume_mm3", model.volume},
-          {"repairs", model.repairs},
-          {"orientations", to_json(model.orientations)}};
+          {"volume_mm3", model.volume ? Json(*model.volume) : Json(nullptr)},
+          {"repairs", sentences},
+          {"orientations", to_json(model.orientations)},
+          {"repair_details", details},
+          {"defect", model.defect.empty() ? Json(nullptr) : Json(model.defect)}};
+}
+
+Json distance_json(const DistanceFigures& d, double diagonal) {
+  return {{"mean", d.mean},
+          {"p95", d.p95},
+          {"max", d.max},
+          {"mean_percent", 100 * d.mean / diagonal},
+          {"p95_percent", 100 * d.p95 / diagonal},
+          {"max_percent", 100 * d.max / diagonal},
+          {"where", {d.place.x(), d.place.y(), d.place.z()}}};
+}
+
+/// How far a rebuilt solid is from the triangles it was made of; null for one that keeps them.
+Json rebuilt_json(const Filling& filling) {
+  if (!filling.rebuilt) return nullptr;
+  return {{"distance_mm",
+           {{"to_input", distance_json(filling.distance.from_made, filling.diagonal)},
+            {"from_input", distance_json(filling.distance.from_given, filling.diagonal)}}},
+          {"diagonal_mm", filling.diagonal},
+          {"inner_share", filling.distance.inner_share}};
 }
 
 Json mesh_json(const Pipeline& pipeline) {
   const TetMesh& rest = pipeline.artifacts().rest;
+  const Filling& filling = pipeline.artifacts().filling;
   if (!pipeline.is_done(Stage::tetrahedralize))
     return {{"vertices", nullptr},
             {"tets", nullptr},
@@ -32,7 +67,10 @@ Json mesh_json(const Pipeline& pipeline) {
   return {{"vertices", rest.vertex_count()},
           {"tets", rest.tet_count()},
           {"boundary_faces", rest.boundary_faces.rows()},
-          {"min_dihedral_deg", degrees(tet_quality(rest).min_dihedral)}};
+          {"min_dihedral_deg", degrees(tet_quality(rest).min_dihedral)},
+          {"backend", filling.backend},
+          {"fallback", filling.fallback.empty() ? Json(nullptr) : Json(filling.fallback)},
+          {"rebuilt", rebuilt_json(filling)}};
 }
 
 Json timings_json(const Pipeline& pipeline, const RunFigures& figures) {
@@ -82,9 +120,9 @@ Json warnings_json(const Pipeline& pipeline) {
   Json json = Json::array();
   for (const StageRecord& record : pipeline.stages())
     for (const Warning& warning : record.warnings) {
-      Json where = Json::array();
-      for (const Vec3& place : warning.where) where.push_back({place.x(), place.y(), place.z()});
-      json.push_back({{"code", warning.code}, {"message", warning.message}, {"where", where}});
+      json.push_back({{"code", warning.code},
+                      {"message", warning.message},
+                      {"where", places_json(warning.where)}});
     }
   return json;
 }

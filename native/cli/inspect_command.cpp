@@ -8,6 +8,7 @@
 #include "files.h"
 #include "mesh/orientation_json.h"
 #include "mesh/read_mesh.h"
+#include "mesh/repair.h"
 #include "mesh/validate.h"
 #include "tetrahedralize/quality.h"
 
@@ -66,14 +67,29 @@ Json orientations_json(const TriMesh& surface, Context& ctx) {
                                    OrientationGoal::least_support, kListed, &ctx));
 }
 
+Json repairs_json(const std::vector<RepairChange>& changes) {
+  Json json = Json::array();
+  for (const RepairChange& change : changes)
+    json.push_back({{"code", change.code},
+                    {"sentence", change.sentence},
+                    {"count", change.count},
+                    {"where", places_json(change.places)}});
+  return json;
+}
+
+// What the file holds, what repair would do about it, and which mesher would take the result.
 Json inspect_surface_file(TriMesh surface, Context& ctx) {
   Json json = surface_json(inspect_surface(surface, &ctx));
   warn_about_units(bounding_box(surface.vertices), ctx);
-  const auto repairs = clean_surface(surface);
-  json["repairs"] = repairs;
-  json["valid_after_repair"] =
-      repairs.empty() ? json["valid"] : Json(inspect_surface(surface, &ctx).valid());
-  json["orientations"] = orientations_json(surface, ctx);
+  const RepairResult repaired = repair_surface(std::move(surface), ctx);
+  json["repairs"] = repairs_json(repaired.changes);
+  json["valid_after_repair"] = repaired.valid;
+  if (repaired.valid)
+    json["volume_after_repair_mm3"] = repaired.report.volume;
+  else
+    json["rebuild_reason"] = repaired.reason;
+  json["mesher"] = repaired.valid ? "tetgen" : "stuffing";
+  json["orientations"] = orientations_json(repaired.surface, ctx);
   return json;
 }
 
@@ -119,6 +135,14 @@ void print_text(const Json& json) {
     } else if (value.is_array() && (value.empty() || value[0].is_string())) {
       std::printf("%-22s %s\n", key.c_str(), value.empty() ? "none" : "");
       for (const auto& sentence : value) std::printf("  %s\n", sentence.get<std::string>().c_str());
+    } else if (key == "repairs") {
+      std::printf("%s\n", key.c_str());
+      for (const auto& change : value) {
+        std::printf("  %s", change["sentence"].get<std::string>().c_str());
+        if (!change["where"].empty())
+          std::printf(", first at %s", change["where"][0].dump().c_str());
+        std::printf("\n");
+      }
     } else {
       std::printf("%-22s %s\n", key.c_str(),
                   value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
