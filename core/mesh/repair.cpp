@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
 #include "mesh/fill_holes.h"
+#include "mesh/recut_crossings.h"
 #include "mesh/repair_sheets.h"
 #include "mesh/split_nonmanifold.h"
 #include "mesh/stitch.h"
@@ -25,6 +27,8 @@ constexpr double kSpeckSize = 1e-3, kSpeckVolume = 1e-8;
 // A vertex this many times farther out than nearly all others is no coordinate.
 constexpr double kFarAway = 1e4;
 constexpr double kNearlyAll = 0.9;
+// mm, of any file: beyond, products of three coordinates leave the range of exact signs.
+constexpr double kLargestCoordinate = 1e15, kSmallestModel = 1e-12;
 // A surface whose caps are this large beside itself is a sheet: closing it would invent a shape.
 constexpr double kLargestCaps = 0.5;
 
@@ -61,6 +65,7 @@ class Repair {
       throw Error(ErrorKind::input, Stage::mesh, "mesh.empty", "The surface has no triangles",
                   "Export the model with its faces");
     diagonal_ = bounding_box(mesh_.vertices).diagonal();
+    if (!(diagonal_ > kSmallestModel)) throw_flat({});
     report_ = inspect_surface(mesh_, &ctx_);
     if (report_.valid()) {
       tidy_valid_surface();
@@ -73,6 +78,7 @@ class Repair {
       fill_and_split();
       drop_shells_without_volume();
       turn_shells();
+      recut();
       drop_unused();
     }
     return finish();
@@ -92,7 +98,8 @@ class Repair {
     for (int k = 0; k < 3; ++k) {
       std::vector<double> values;
       for (Eigen::Index v = 0; v < n; ++v)
-        if (std::isfinite(mesh_.vertices(v, k))) values.push_back(mesh_.vertices(v, k));
+        if (std::abs(mesh_.vertices(v, k)) <= kLargestCoordinate)
+          values.push_back(mesh_.vertices(v, k));
       if (values.empty()) continue;
       const auto quantile = [&](double q) {
         const auto i = static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
@@ -107,7 +114,8 @@ class Repair {
     for (Eigen::Index v = 0; v < n; ++v)
       for (int k = 0; k < 3; ++k) {
         const double x = mesh_.vertices(v, k);
-        if (!std::isfinite(x) || (reach > 0 && (x < low[at(k)] - reach || x > high[at(k)] + reach)))
+        if (!(std::abs(x) <= kLargestCoordinate) ||
+            (reach > 0 && (x < low[at(k)] - reach || x > high[at(k)] + reach)))
           wild[static_cast<std::size_t>(v)] = 1;
       }
     Defect dropped;
@@ -244,19 +252,6 @@ class Repair {
          counted(turned.count, "triangle", "triangles") + " of an inside-out part turned", turned);
   }
 
-  // Of the doubled vertices of a split surface, those that only touch do not count.
-  MeshReport inspect_split(const TriMesh& mesh) const {
-    MeshReport report = inspect_surface(mesh, &ctx_);
-    if (report.self_intersections.count == 0) return report;
-    TriMesh welded = mesh;
-    if (weld_equal_vertices(welded).count == 0 || welded.triangles.rows() != mesh.triangles.rows())
-      return report;
-    MeshReport conforming = inspect_surface(welded, &ctx_);
-    report.self_intersections = std::move(conforming.self_intersections);
-    report.intersecting_pairs = std::move(conforming.intersecting_pairs);
-    return report;
-  }
-
   struct Attempt {
     TriMesh mesh;
     FilledHoles filled;
@@ -269,7 +264,7 @@ class Repair {
     a.mesh = mesh_;
     if (fill) a.filled = fill_holes(a.mesh, fair, ctx_);
     a.doubled = split_nonmanifold(a.mesh);
-    a.report = inspect_split(a.mesh);
+    a.report = inspect_split(a.mesh, &ctx_);
     return a;
   }
 
@@ -405,7 +400,7 @@ class Repair {
     note("repair.specks",
          counted(specks.count, "loose speck", "loose specks") + " too small to print removed",
          specks);
-    report_ = inspect_split(mesh_);
+    report_ = inspect_split(mesh_, &ctx_);
   }
 
   // What stays open may be a solid with a gap, or no solid at all.
@@ -465,7 +460,21 @@ class Repair {
                     " inside another and became a cavity; remove it from the file if the part is "
                     "solid there",
                 cavities.where);
-    report_ = inspect_split(mesh_);
+    report_ = inspect_split(mesh_, &ctx_);
+  }
+
+  void recut() {
+    if (report_.self_intersections.count == 0 || !reason_.empty()) return;
+    std::optional<Recut> cut = recut_crossings(mesh_, report_, ctx_);
+    if (!cut) return;
+    mesh_ = std::move(cut->surface);
+    report_ = std::move(cut->report);
+    char share[48];
+    std::snprintf(share, sizeof share, " (%.2g %% of the area)", 100 * cut->area_share);
+    note("repair.crossings",
+         counted(cut->removed.count, "triangle", "triangles") + share +
+             " at places where the surface crossed itself replaced",
+         cut->removed);
   }
 
   RepairResult finish() {

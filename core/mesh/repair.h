@@ -30,9 +30,9 @@ struct RepairResult {
 /// Steps, each only where something calls for it: triangles without coordinates dropped; equal
 /// vertices welded, then open edges stitched within a tolerance; edges without length and triangles
 /// without height collapsed; duplicates, flaps and walls inside removed; triangles turned to agree;
-/// holes filled; bodies that touch in an edge or a vertex taken apart; shells without volume
-/// dropped; shells turned outward, or inward where they are inside another (cavities). Fills that
-/// would make the surface cross itself are undone.
+/// holes filled unless that crosses the surface; bodies that touch in an edge or a vertex taken
+/// apart; shells without volume dropped; shells turned outward, or inward inside another
+/// (cavities); small places where the surface crosses itself cut out and closed anew.
 ///
 /// A surface that still crosses itself, or stays open, comes back mended as far as it goes with
 /// `valid` false: it is ready for a mesher that follows the winding number.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mesh/stitch.h"
+
 namespace s3 {
 
 namespace {
@@ -105,6 +107,18 @@ Defect split_nonmanifold(TriMesh& mesh) {
   for (Index c = 0; c < static_cast<Index>(mesh.triangles.size()); ++c)
     mesh.triangles(c / 3, c % 3) = vertex_of_fan[at(fans.find(c))];
   return doubled;
+}
+
+MeshReport inspect_split(const TriMesh& mesh, const Context* ctx) {
+  MeshReport report = inspect_surface(mesh, ctx);
+  if (report.self_intersections.count == 0) return report;
+  TriMesh welded = mesh;
+  if (weld_equal_vertices(welded).count == 0 || welded.triangles.rows() != mesh.triangles.rows())
+    return report;
+  MeshReport conforming = inspect_surface(welded, ctx);
+  report.self_intersections = std::move(conforming.self_intersections);
+  report.intersecting_pairs = std::move(conforming.intersecting_pairs);
+  return report;
 }
 
 }  // namespace s3

@@ -19,4 +19,8 @@ std::vector<Index> paired_sides(const TriMesh& mesh, const std::vector<Side>& si
 /// @return the places of the new vertices
 Defect split_nonmanifold(TriMesh& mesh);
 
+/// inspect_surface() of a split surface: where doubled vertices and edges only touch each other,
+/// that is no intersection.
+MeshReport inspect_split(const TriMesh& mesh, const Context* ctx);
+
 }  // namespace s3

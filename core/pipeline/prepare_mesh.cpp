@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "mesh/placement.h"
 #include "mesh/reorder.h"
-#include "mesh/repair.h"
+#include "mesh/repair_parts.h"
 #include "mesh/validate.h"
 #include "tetrahedralize/tetrahedralize.h"
 
@@ -40,7 +40,7 @@ void prepare_volume(ModelFile file, const InputParams& params, Artifacts& artifa
 void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artifacts,
                      Context& ctx) {
   artifacts.model.triangles = static_cast<Index>(file.surface.triangles.rows());
-  RepairResult repaired = repair_surface(std::move(file.surface), ctx);
+  RepairResult repaired = repair_parts(file.surface, file.part_of_triangle, ctx);
   artifacts.model.repairs = std::move(repaired.changes);
   artifacts.model.defect = std::move(repaired.reason);
   TriMesh surface = std::move(repaired.surface);

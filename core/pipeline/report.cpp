@@ -67,6 +67,7 @@ Json mesh_json(const Pipeline& pipeline) {
   return {{"vertices", rest.vertex_count()},
           {"tets", rest.tet_count()},
           {"boundary_faces", rest.boundary_faces.rows()},
+          {"volume_mm3", enclosed_volume(boundary_surface(rest))},
           {"min_dihedral_deg", degrees(tet_quality(rest).min_dihedral)},
           {"backend", filling.backend},
           {"fallback", filling.fallback.empty() ? Json(nullptr) : Json(filling.fallback)},

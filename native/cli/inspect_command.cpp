@@ -8,7 +8,7 @@
 #include "files.h"
 #include "mesh/orientation_json.h"
 #include "mesh/read_mesh.h"
-#include "mesh/repair.h"
+#include "mesh/repair_parts.h"
 #include "mesh/validate.h"
 #include "tetrahedralize/quality.h"
 
@@ -78,10 +78,11 @@ Json repairs_json(const std::vector<RepairChange>& changes) {
 }
 
 // What the file holds, what repair would do about it, and which mesher would take the result.
-Json inspect_surface_file(TriMesh surface, Context& ctx) {
+Json inspect_surface_file(const ModelFile& file, Context& ctx) {
+  const TriMesh& surface = file.surface;
   Json json = surface_json(inspect_surface(surface, &ctx));
   warn_about_units(bounding_box(surface.vertices), ctx);
-  const RepairResult repaired = repair_surface(std::move(surface), ctx);
+  const RepairResult repaired = repair_parts(surface, file.part_of_triangle, ctx);
   json["repairs"] = repairs_json(repaired.changes);
   json["valid_after_repair"] = repaired.valid;
   if (repaired.valid)
@@ -160,7 +161,7 @@ int inspect_command(const std::string& model, bool as_json) {
   if (file.part_names.size() > 1) json["parts"] = file.part_names;
   for (Warning& warning : file.warnings) ctx.warnings.push_back(std::move(warning));
   json.update(file.is_volume ? inspect_volume_file(std::move(file), ctx)
-                             : inspect_surface_file(std::move(file.surface), ctx));
+                             : inspect_surface_file(file, ctx));
   Json warnings = Json::array();
   for (const Warning& warning : ctx.warnings) warnings.push_back(warning.message);
   json["warnings"] = warnings;

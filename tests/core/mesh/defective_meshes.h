@@ -322,6 +322,14 @@ inline std::vector<DefectiveMesh> defective_meshes() {
             Vec3(10, 10, 0).head<2>().transpose() - crossed.vertices.row(v).head<2>();
     add("a surface through itself", crossed, rebuild);
   }
+  {
+    TriMesh pulled = ball_surface(10, Vec3::Zero(), 16);
+    Index v = 0;
+    (pulled.vertices.rowwise() - Eigen::RowVector3d(10, 0, 0)).rowwise().norm().minCoeff(&v);
+    pulled.vertices.row(v) += Eigen::RowVector3d(-0.4, 2.6, 0.3);
+    add("a vertex pulled through its neighbours", pulled, valid,
+        enclosed_volume(ball_surface(10, Vec3::Zero(), 16)), "repair.crossings");
+  }
   add("a loose sheet of no volume",
       joined(cube, with_triangles(without(box_surface(Vec3(3, 3, 3), Vec3(20, 0, 0)),
                                           [](const Vec3& p) { return p.z() > 1e-9; }),

@@ -1,0 +1,27 @@
+// A surface that crosses itself in a few places is cut open there and closed anew.
+#pragma once
+#include <optional>
+
+#include "base/context.h"
+#include "mesh/tri_mesh.h"
+#include "mesh/validate.h"
+
+namespace s3 {
+
+struct Recut {
+  TriMesh surface;
+  MeshReport report;
+  Defect removed;         // triangles cut out
+  double area_share = 0;  // of the surface
+};
+
+/// Cuts out the triangles that cross each other, with more and more of their neighbours, and fills
+/// the holes, until nothing crosses. Only small cuts in bodies of their own: bodies that cross each
+/// other overlap, and what is to become of them is no question of a few triangles.
+/// @param report  of the surface, with all its intersecting pairs
+/// @return nothing where that would take more than a fiftieth of the area or change the volume by
+///         more than a hundredth, or does not help
+/// @throws Cancelled
+std::optional<Recut> recut_crossings(const TriMesh& mesh, const MeshReport& report, Context& ctx);
+
+}  // namespace s3
