@@ -323,11 +323,10 @@ inline std::vector<DefectiveMesh> defective_meshes() {
     add("a surface through itself", crossed, rebuild);
   }
   {
-    TriMesh pulled = ball_surface(10, Vec3::Zero(), 16);
-    Index v = 0;
-    (pulled.vertices.rowwise() - Eigen::RowVector3d(10, 0, 0)).rowwise().norm().minCoeff(&v);
-    pulled.vertices.row(v) += Eigen::RowVector3d(-0.4, 2.6, 0.3);
-    add("a vertex pulled through its neighbours", pulled, valid,
+    TriMesh swapped = ball_surface(10, Vec3::Zero(), 16);
+    const Index f = 77, a = swapped.triangles(f, 0), b = swapped.triangles(f, 1);
+    swapped.vertices.row(a).swap(swapped.vertices.row(b));
+    add("two vertices that changed places", swapped, valid,
         enclosed_volume(ball_surface(10, Vec3::Zero(), 16)), "repair.crossings");
   }
   add("a loose sheet of no volume",
