@@ -84,9 +84,7 @@ struct Candidate {
 class Slicer {
  public:
   Slicer(const TetMesh& rest, const ScalarField& field, const LayerParams& params, Context& ctx)
-      : rest_(rest),
-        field_(field),
-        ctx_(ctx),
+      : ctx_(ctx),
         extractor_(rest, field),
         d_min_(params.d_min()),
         d_max_(params.d_max()),
@@ -121,8 +119,6 @@ class Slicer {
   void report_unsupported();
   void finish();
 
-  const TetMesh& rest_;
-  const ScalarField& field_;
   Context& ctx_;
   IsosurfaceExtractor extractor_;
   PrintedMaterial material_;

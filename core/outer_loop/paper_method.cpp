@@ -23,8 +23,19 @@ constexpr double kStopChange = 0.05;
 constexpr double kLargestExponent = 6;     // of Eq. 11
 constexpr double kHeadCone = radians(90);  // θ of Eq. 5, the contract's default
 constexpr double kConformalWeight = 10;    // Fig. 5
-// The resolution at which w_k = 1 means what the paper's value does.
-constexpr double kReferenceTets = 50000;
+// Strength of w_k against the smoothness: 0.9 for the paper's Topo-Opt model with its 70k tets.
+constexpr double kKeepStrength = 26;
+
+// Factor on w_k that makes Eq. 8 independent of the resolution, of the surface and of the inside.
+// With tets of edge h its sum over the pairs tends to 1/h times the integral of |∇q|² over the
+// solid, its sum over B to w_k/a times an integral over the surface, a the mean area of a boundary
+// face: w_k ~ a/(h L) keeps their ratio, L the size of the solid.
+double keep_scale(const TetMesh& rest) {
+  const double volume = tet_volumes(rest).sum();
+  const double face_area =
+      surface_area(boundary_surface(rest)) / static_cast<double>(rest.boundary_faces.rows());
+  return kKeepStrength * face_area * std::cbrt(rest.tet_count() / (volume * volume));
+}
 
 class Stopwatch {
  public:
@@ -67,9 +78,7 @@ class Loop {
         rotation_(identity_rotations(rest.tet_count())),
         smooth_weight_(Values::Ones(rest.face_pairs.rows())) {
     current_.deformation = undeformed(rest);
-    // Faces share out the volume, so their sum in Eq. 8 grows faster with the resolution than the
-    // sum over B does.
-    keep_scale_ = std::cbrt(kReferenceTets / rest.tet_count());
+    keep_scale_ = keep_scale(rest);
   }
 
   Iterate run(DeformResult& result) {

@@ -88,8 +88,9 @@ TEST_CASE("a model ten times as large gets a field ten times as large") {
 }
 
 TEST_CASE("three densities of one model end at a residual within 25 % (Fig. 18)") {
-  // SF and SQ are in conflict on this bar, so the residual does not vanish.
-  const ObjectiveParams params{.support_free = 0.5, .surface_quality = 0.5, .gamma_deg = 8};
+  // SF and SQ are in conflict on this bar, so the residual does not vanish. Equal weights would
+  // leave two ways out, between which the resolution decides.
+  const ObjectiveParams params{.support_free = 0.8, .surface_quality = 0.2, .gamma_deg = 8};
   std::vector<double> least;
   for (const double density : {1.0, 1.5, 2.0}) {
     const TetMesh rest = kinked_bar(density);
