@@ -73,15 +73,14 @@ TriMesh shattered(const TriMesh& mesh) {
 
 // The sphere without the triangles over a height.
 TriMesh without_cap(const TriMesh& ball, double height) {
-  TriMesh open = ball;
+  Triangles low_triangles(ball.triangles.rows(), 3);
   Eigen::Index kept = 0;
   for (Eigen::Index f = 0; f < ball.triangles.rows(); ++f) {
     double low = ball.vertices(ball.triangles(f, 0), 2);
     for (int i = 1; i < 3; ++i) low = std::min(low, ball.vertices(ball.triangles(f, i), 2));
-    if (low <= height) open.triangles.row(kept++) = ball.triangles.row(f);
+    if (low <= height) low_triangles.row(kept++) = ball.triangles.row(f);
   }
-  open.triangles.conservativeResize(kept, 3);
-  return open;
+  return {ball.vertices, low_triangles.topRows(kept)};
 }
 
 }  // namespace
