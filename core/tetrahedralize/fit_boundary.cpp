@@ -53,6 +53,7 @@ class Fit {
     release_those_left();
     for (int sweep = 0; sweep < kFinalSweeps; ++sweep)
       if (ctx_.checkpoint(); !smooth()) break;
+    even_out();
   }
 
  private:
@@ -282,6 +283,51 @@ class Fit {
       }
     }
     return false;
+  }
+
+  // With all vertices on the surface, faces cut off what bulges: the distance is one-sided and the
+  // volume too small (too large in hollows). Vertices go out by as much as faces lie in.
+  void even_out() {
+    // Of a triangle with its corners on a sphere: the mean depth over the depth in the middle.
+    constexpr double kMeanDepth = 0.75;
+    constexpr double kFlatShare = 0.1;  // a vertex beside a flat face stays in its plane
+    const std::vector<Depths> depths = depths_of_faces();
+    for (const Index v : boundary_) {
+      const Depths& around = depths[static_cast<std::size_t>(v)];
+      const double mean = around.sum / around.faces;
+      if (bond(v) != Bond::surface || around.least < kFlatShare * std::abs(mean)) continue;
+      const Vec3 from = at(v), p = from + kMeanDepth * mean * normal_[static_cast<std::size_t>(v)];
+      // The model stands on the plate with the lowest point of its surface.
+      if ((p.array() < solid_.box.min.array()).any() || (p.array() > solid_.box.max.array()).any())
+        continue;
+      const double bound = std::min(kKeepSine, quality(v));
+      put(v, p);
+      if (quality(v, bound - 1e-12) < bound) put(v, from);
+    }
+  }
+
+  // How deep the middles of a vertex's boundary faces lie under the surface, mm.
+  struct Depths {
+    double sum = 0, least = std::numeric_limits<double>::infinity();  // least: of the amounts
+    int faces = 0;
+  };
+
+  std::vector<Depths> depths_of_faces() const {
+    std::vector<Depths> depths(static_cast<std::size_t>(mesh_.vertex_count()));
+    for (Eigen::Index f = 0; f < mesh_.boundary_faces.rows(); ++f) {
+      const auto face = mesh_.boundary_faces.row(f);
+      const Vec3 middle = (at(face(0)) + at(face(1)) + at(face(2))) / 3;
+      const Closest closest = solid_.tree.closest(middle, kOnSurface * size_);
+      const Vec3 normal = triangle_normal_2a(mesh_.vertices, face).normalized();
+      const double depth = closest.triangle < 0 ? 0 : (closest.point - middle).dot(normal);
+      for (int i = 0; i < 3; ++i) {
+        Depths& at_vertex = depths[static_cast<std::size_t>(face(i))];
+        at_vertex.sum += depth;
+        at_vertex.least = std::min(at_vertex.least, std::abs(depth));
+        ++at_vertex.faces;
+      }
+    }
+    return depths;
   }
 
   // Vertices with poor tets look around for a better place. @return true if one has found it

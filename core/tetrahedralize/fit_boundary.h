@@ -8,8 +8,9 @@
 namespace s3 {
 
 /// Moves vertices so that boundary edges run along the sharp edges of the surface, and so that the
-/// worst dihedral angles get better. Boundary vertices stay on the surface; no tet is turned over
-/// or made worse than about 8° (or than it was). Connectivity stays.
+/// worst dihedral angles get better. Boundary vertices stay on flat parts of the surface, and
+/// beside curved ones by half of what the faces cut off, so that the volume is right; no tet is
+/// turned over or made worse than about 8° (or than it was). Connectivity stays.
 /// @param mesh  a boundary that does not intersect itself; it will not afterwards: vertices where
 /// it
 ///              would keep their place

@@ -29,7 +29,7 @@ constexpr double kTetsPerCube = 12;
 constexpr double kFirstShare = 0.2;
 constexpr double kCountTolerance = 0.08;
 constexpr double kAllowedMiss = 0.15;
-constexpr int kMaxRuns = 6;
+constexpr int kMaxRuns = 8;
 // A volume that is off by more than this is worth a warning.
 constexpr double kVolumeSlack = 0.03;
 
@@ -88,25 +88,25 @@ Filling fill_to_target(const SurfaceSolid& solid, double volume, double target, 
   const Vec3 extent = solid.box.max - solid.box.min;
   double size = std::cbrt(kTetsPerCube * volume / (kFirstShare * target));
   size = std::clamp(size, smallest, std::max(smallest, extent.maxCoeff() / 4));
+  // Sizes known to give too many and too few tets: thin walls make the count jump between them.
+  double too_small = smallest, too_large = std::numeric_limits<double>::infinity();
   Filling best;
   double best_miss = std::numeric_limits<double>::infinity();
   for (int run = 0; run < kMaxRuns; ++run) {
     Filling filling = fill_lattice(solid, size, ctx);
-    ctx.progress(Stage::tetrahedralize, 0.1 * (run + 1));
+    ctx.progress(Stage::tetrahedralize, 0.8 * (run + 1) / kMaxRuns);
     const double count = filling.mesh.tet_count();
-    if (count == 0) {
-      if (size <= smallest) break;
-      size = std::max(smallest, size / 2);
-      continue;
-    }
-    const double miss = std::abs(std::log(count / target));
-    const double next = std::max(smallest, size_for(target, filling));
+    (count > target ? too_small : too_large) = size;
+    double next = count > 0 ? size_for(target, filling) : size / 2;
+    if (next <= too_small || next >= too_large)
+      next = std::sqrt(too_small * std::min(too_large, 2 * size));
+    const double miss = count > 0 ? std::abs(std::log(count / target)) : best_miss;
     if (miss < best_miss) {
       best_miss = miss;
       best = std::move(filling);
     }
-    if (std::abs(count - target) <= kCountTolerance * target || next == size) break;
-    size = next;
+    if (std::abs(count - target) <= kCountTolerance * target || size == smallest) break;
+    size = std::max(smallest, next);
   }
   if (best.mesh.tet_count() == 0) throw_empty();
   return best;

@@ -1,6 +1,8 @@
 #include "tetrahedralize/tetrahedralize.h"
 
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "mesh/refine_surface.h"
 #include "tetrahedralize/isosurface_stuffing.h"
@@ -16,10 +18,23 @@ namespace {
               "Check that the surface is closed and that its triangles face outward");
 }
 
+// Splits coarse triangles first. Where the split triangles force more tets than wanted, as on thin
+// parts, larger ones are tried.
 TetMesh fill_refined_with_tetgen(const TriMesh& surface, int target_tets, Context& ctx) {
+  constexpr int kMaxTries = 3;
+  constexpr double kCountTolerance = 0.15;
   if (!(enclosed_volume(surface) > 0)) throw_empty();
-  const double edge = target_edge_for(surface, target_tets);
-  return fill_with_tetgen(refine_surface(surface, edge), target_tets, ctx);
+  double edge = target_edge_for(surface, target_tets);
+  const std::vector<Warning> warnings = ctx.warnings;
+  for (int i = 1;; ++i) {
+    const TriMesh refined = refine_surface(surface, edge);
+    TetMesh mesh = fill_with_tetgen(refined, target_tets, ctx);
+    const double excess = mesh.tet_count() / static_cast<double>(target_tets);
+    const bool was_split = refined.triangles.rows() > surface.triangles.rows();
+    if (excess <= 1 + kCountTolerance || !was_split || i == kMaxTries) return mesh;
+    ctx.warnings = warnings;  // those of the mesh that is not used
+    edge *= std::sqrt(excess);
+  }
 }
 
 }  // namespace
