@@ -1,5 +1,6 @@
 // Growing vertex and triangle lists for the readers.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "mesh/tri_mesh.h"
@@ -15,6 +16,10 @@ class MeshBuilder {
   void add_triangle(Index a, Index b, Index c) { corners_.insert(corners_.end(), {a, b, c}); }
   std::size_t vertex_count() const { return coordinates_.size() / 3; }
   std::size_t triangle_count() const { return corners_.size() / 3; }
+  /// The largest vertex number in a triangle, −1 without triangles.
+  Index largest_corner() const {
+    return corners_.empty() ? -1 : *std::max_element(corners_.begin(), corners_.end());
+  }
 
   TriMesh take() {
     TriMesh mesh;

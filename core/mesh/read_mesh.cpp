@@ -3,6 +3,8 @@
 #include <limits>
 
 #include "base/error.h"
+#include "mesh/gzip.h"
+#include "mesh/read_3mf.h"
 #include "mesh/read_vtu.h"
 #include "mesh/text_scanner.h"
 
@@ -10,17 +12,15 @@ namespace s3 {
 
 namespace {
 
+// Without that of gzip, which read_model() has unpacked.
 std::string extension_of(std::string_view file_name) {
+  if (lower_case(file_name).ends_with(".gz")) file_name.remove_suffix(3);
   const std::size_t dot = file_name.rfind('.');
   return dot == std::string_view::npos ? "" : lower_case(file_name.substr(dot + 1));
 }
 
 // Formats that people are likely to bring and that this program does not read.
 std::string known_stranger(std::string_view text) {
-  if (text.starts_with("\x1f\x8b")) return "a gzip archive; unpack it first";
-  if (text.starts_with("PK\x03\x04")) return "a ZIP archive or 3MF file";
-  if (text.starts_with("ply")) return "a PLY file";
-  if (text.starts_with("$MeshFormat")) return "a Gmsh file";
   if (text.starts_with("# vtk DataFile")) return "a legacy VTK file; save it as VTU";
   if (text.starts_with("ISO-10303-21")) return "a STEP file; export a triangle mesh from it";
   return {};
@@ -36,6 +36,9 @@ bool is_obj_keyword(std::string_view word) {
 // The format that the first words of the text announce; empty when they announce none.
 std::string format_from_content(std::span<const std::byte> bytes) {
   const std::string_view text = as_text(bytes);
+  if (text.starts_with("ply\n") || text.starts_with("ply\r\n")) return "ply";
+  if (text.starts_with("$MeshFormat")) return "msh";
+  if (text.starts_with("PK\x03\x04")) return "3mf";
   if (has_binary_stl_size(bytes) && bytes.size() > 84) return "stl-binary";
   LineReader reader(text, "");
   if (!reader.next('#')) return {};
@@ -51,8 +54,8 @@ std::string format_from_content(std::span<const std::byte> bytes) {
 
 std::string format_from_extension(const std::string& extension) {
   if (extension == "stl") return "stl-binary";
-  if (extension == "obj" || extension == "off" || extension == "tet" || extension == "vtu")
-    return extension;
+  for (const std::string_view known : {"obj", "ply", "3mf", "off", "tet", "msh", "vtu"})
+    if (extension == known) return extension;
   return {};
 }
 
@@ -60,7 +63,8 @@ std::string format_from_extension(const std::string& extension) {
   throw Error(ErrorKind::input, Stage::mesh, "mesh.unknown_format",
               std::string(file_name) +
                   (stranger.empty() ? " is of no known format" : " looks like " + stranger),
-              "Use an STL, OBJ or OFF surface, or a .tet or VTU volume mesh");
+              std::string("Use a surface as ") + kSurfaceFormats + ", or a volume mesh as " +
+                  kVolumeFormats);
 }
 
 ModelFile volume_of(VtuFile file) {
@@ -74,6 +78,11 @@ ModelFile volume_of(VtuFile file) {
 }  // namespace
 
 ModelFile read_model(std::span<const std::byte> bytes, std::string_view file_name) {
+  std::string unpacked;
+  if (is_gzip(bytes)) {
+    unpacked = unpack_gzip(bytes, file_name);
+    bytes = std::as_bytes(std::span(unpacked));
+  }
   std::string format = format_from_content(bytes);
   if (format.empty()) {
     const std::string stranger = known_stranger(as_text(bytes));
@@ -84,13 +93,19 @@ ModelFile read_model(std::span<const std::byte> bytes, std::string_view file_nam
   if (format == "stl-binary")
     model.surface = read_stl_binary(bytes, file_name);
   else if (format == "stl-ascii")
-    model.surface = read_stl_ascii(bytes, file_name);
+    model = read_stl_ascii(bytes, file_name);
   else if (format == "obj")
-    model.surface = read_obj(bytes, file_name);
+    model = read_obj(bytes, file_name);
+  else if (format == "ply")
+    model.surface = read_ply(bytes, file_name);
+  else if (format == "3mf")
+    model = read_3mf(bytes, file_name);
   else if (format == "off")
     model.surface = read_off(bytes, file_name);
   else if (format == "tet")
     model = read_tet(bytes, file_name);
+  else if (format == "msh")
+    model = read_msh(bytes, file_name);
   else if (format == "vtu")
     model = volume_of(read_vtu(bytes, file_name));
   else

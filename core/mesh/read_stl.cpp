@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "mesh/mesh_builder.h"
+#include "mesh/model_parts.h"
 #include "mesh/read_mesh.h"
 #include "mesh/text_scanner.h"
 #include "mesh/weld.h"
@@ -75,10 +75,11 @@ TriMesh read_stl_binary(std::span<const std::byte> bytes, std::string_view file_
   return welded(welder, corners);
 }
 
-TriMesh read_stl_ascii(std::span<const std::byte> bytes, std::string_view file_name) {
+ModelFile read_stl_ascii(std::span<const std::byte> bytes, std::string_view file_name) {
   LineReader reader(as_text(bytes), file_name);
   Welder welder;
-  std::vector<Index> corners;
+  std::vector<Index> corners, solid_of_triangle;
+  std::vector<std::string> names;
   int open_corners = -1;  // −1 outside a loop
   bool ended = false;
   while (reader.next()) {
@@ -94,16 +95,22 @@ TriMesh read_stl_ascii(std::span<const std::byte> bytes, std::string_view file_n
       if (open_corners != 3)
         reader.fail("a facet with " + std::to_string(std::max(open_corners, 0)) + " corners");
       open_corners = -1;
+      if (names.empty()) names.emplace_back();
+      solid_of_triangle.push_back(static_cast<Index>(names.size() - 1));
     } else if (keyword == "endsolid" || keyword == "end") {
       ended = true;
     } else if (keyword == "solid") {
       ended = false;
+      names.emplace_back(trimmed(reader.line()));
     } else if (keyword != "facet" && keyword != "endfacet") {
       reader.fail("unknown word '" + keyword.substr(0, 40) + "'");
     }
   }
   if (open_corners >= 0 || !ended) reader.fail("the file ends before 'endsolid'");
-  return welded(welder, corners);
+  ModelFile model;
+  model.surface = welded(welder, corners);
+  set_parts(model, solid_of_triangle, names);
+  return model;
 }
 
 }  // namespace s3

@@ -83,6 +83,13 @@ std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+std::string_view trimmed(std::string_view text) {
+  const auto is_outer = [](char c) { return is_blank(c) || c == '\n'; };
+  while (!text.empty() && is_outer(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_outer(text.back())) text.remove_suffix(1);
+  return text;
+}
+
 std::string_view take_word(std::string_view& rest) {
   std::size_t begin = 0;
   while (begin < rest.size() && is_blank(rest[begin])) ++begin;
@@ -136,8 +143,7 @@ bool LineReader::next(char comment) {
     rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     ++line_number_;
     if (comment != '\0') line_ = line_.substr(0, line_.find(comment));
-    while (!line_.empty() && is_blank(line_.front())) line_.remove_prefix(1);
-    while (!line_.empty() && is_blank(line_.back())) line_.remove_suffix(1);
+    line_ = trimmed(line_);
     if (!line_.empty()) return true;
   }
   line_ = {};

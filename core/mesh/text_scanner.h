@@ -14,6 +14,9 @@ namespace s3 {
 /// The bytes as text; valid as long as the bytes are.
 std::string_view as_text(std::span<const std::byte> bytes);
 
+/// Without blanks and line ends at either end.
+std::string_view trimmed(std::string_view text);
+
 /// Takes the next word (separated by blanks and tabs) off the front of `rest`; empty at the end.
 std::string_view take_word(std::string_view& rest);
 /// A whole word as a number. Reads "1.5", "-2e-3", "+4"; nothing for anything else, for NaN and for

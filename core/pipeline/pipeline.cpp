@@ -71,7 +71,8 @@ const std::vector<Pipeline::Step>& Pipeline::steps() {
 void Pipeline::read_model(Context& ctx) {
   if (model_bytes_.empty())
     throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file", model_name_ + " is empty",
-                "give an STL, OBJ, OFF, .tet or VTU file");
+                std::string("give a surface as ") + kSurfaceFormats + ", or a volume mesh as " +
+                    kVolumeFormats);
   ModelFile file = s3::read_model(model_bytes_, model_name_);
   ctx.checkpoint();
   for (Warning& warning : file.warnings) ctx.warnings.push_back(std::move(warning));

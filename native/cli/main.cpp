@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "commands.h"
+#include "mesh/read_mesh.h"
 #include "params/param_visitors.h"
 
 namespace s3::cli {
@@ -86,7 +87,8 @@ int parse_and_run(int argc, char** argv) {
       app.add_subcommand("run", "Slice a model: layers, toolpaths, waypoints, programs, report");
   run->allow_extras();
   run->add_option("MODEL", options.model,
-                  "STL, OBJ, OFF, .tet or VTU file; a job file may name it instead");
+                  std::string("A surface as ") + kSurfaceFormats + ", or a volume mesh as " +
+                      kVolumeFormats + "; a job file may name it instead");
   run->add_option("-o,--output", options.output, "Folder for the results");
   run->add_option("--config", options.configs,
                   "Parameter file (JSON); a later one overrides the one before")
