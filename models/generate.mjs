@@ -123,6 +123,20 @@ const MODELS = {
       plate,
     ],
   },
+  trio: {
+    about: 'three bodies on one plate',
+    box: [[-42, -16, 0], [38, 16, 28]],
+    cell: 1.4,
+    parts: [
+      (p) => {
+        const arch = torusY(p, [-24, 0], 12, 4);
+        const drop = blend(roundCone(p, [2, 0, -2], [2, 0, 18], 5, 8), ellipsoid([p[0] - 2, p[1], p[2]], [8, 8, 4]), 4);
+        const block = roundedBox([p[0] - 27, p[1], p[2] - 6], [9, 14, 14], 4);
+        return Math.min(arch, drop, block);
+      },
+      plate,
+    ],
+  },
 };
 
 // --- meshing ---------------------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@
 #include "mesh/aabb_tree.h"
 #include "mesh/planar_hull.h"
 #include "mesh/resting_pose.h"
+#include "mesh/surface_points.h"
 #include "mesh/tri_mesh.h"
 
 namespace s3 {
@@ -25,8 +26,10 @@ constexpr double kDistinct = 10;         // degrees between any two results
 constexpr double kContactHeight = 1e-3;  // of the height: what touches the plate
 constexpr double kPlateHeight = 1e-2;    // of the height: what needs no support so near the plate
 constexpr double kPlateNormal = 0.9;
-constexpr double kStableTipping = 5;  // degrees
-constexpr double kTippingCost = 0.25;
+constexpr double kStableTipping = 12;  // degrees
+constexpr double kTippingCost = 1;
+constexpr double kLeastContact = 0.02;  // of the shadow
+constexpr double kPointCost = 1;
 constexpr double kSupportDensity = 0.2;
 constexpr double kEqualCost = 0.01;
 constexpr double kEqualContact = 0.02;  // of the largest
@@ -70,17 +73,17 @@ class Body {
   Body(const Points& vertices, const Triangles& triangles)
       : mesh_(used_part(vertices, triangles)),
         normals_(triangles.rows(), 3),
-        areas_(static_cast<std::size_t>(triangles.rows())),
+        areas_(triangles.rows()),
         tree_(mesh_),
         diagonal_(bounding_box(mesh_.vertices).diagonal()) {
     if (mesh_.triangles.rows() > 0) measure_faces();
-    rough_ = spread(kRoughSamples);
-    fine_ = spread(kFineSamples);
+    rough_ = spread_points(mesh_, kRoughSamples);
+    fine_ = spread_points(mesh_, kFineSamples);
   }
 
   const Points& vertices() const { return mesh_.vertices; }
   const Directions& normals() const { return normals_; }
-  double area(Eigen::Index f) const { return areas_[static_cast<std::size_t>(f)]; }
+  double area(Eigen::Index f) const { return areas_[f]; }
   const Vec3& center_of_mass() const { return center_; }
   /// False for what has no extent, or one beyond numbers.
   bool measurable() const {
@@ -89,30 +92,21 @@ class Body {
   }
 
   Orientation figures(const Vec3& up, bool fine) const;
-  double cost(const Orientation& o) const {
-    return o.overhang_area / total_area_ + kSupportDensity * o.support_volume / volume_scale_ +
-           kTippingCost * std::max(0.0, 1 - o.tipping_deg / kStableTipping);
-  }
+  double cost(const Orientation& o) const;
 
  private:
-  struct Sample {
-    Vec3 point;
-    Index face;
-  };
-
   void measure_faces();
-  std::vector<Sample> spread(std::size_t count) const;
   void measure_contact(const Vec3& up, const Eigen::VectorXd& heights, double low,
                        Orientation& o) const;
 
   TriMesh mesh_;
   Directions normals_;  // unit, 0 for faces without area
-  std::vector<double> areas_;
+  Values areas_;
   AabbTree tree_;
   double diagonal_;
   double total_area_ = 0, volume_scale_ = 0;
   Vec3 center_ = Vec3::Zero();
-  std::vector<Sample> rough_, fine_;
+  std::vector<SurfacePoint> rough_, fine_;
 };
 
 void Body::measure_faces() {
@@ -123,7 +117,7 @@ void Body::measure_faces() {
     const Vec3 n = triangle_normal_2a(mesh_.vertices, mesh_.triangles.row(f));
     const double length = n.norm();
     normals_.row(f) = length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero());
-    areas_[static_cast<std::size_t>(f)] = 0.5 * length;
+    areas_[f] = 0.5 * length;
     total_area_ += 0.5 * length;
     Vec3 sum = Vec3::Zero();
     for (int i = 0; i < 3; ++i)
@@ -145,41 +139,23 @@ void Body::measure_faces() {
   center_ = within ? center : Vec3(origin + area_moment / total_area_);
 }
 
-// Points k + 1/2 steps of equal area along the faces in their order; within a face, Hammersley's
-// points.
-std::vector<Body::Sample> Body::spread(std::size_t count) const {
-  std::vector<Sample> samples;
-  if (!measurable()) return samples;
-  samples.reserve(count);
-  const double step = total_area_ / static_cast<double>(count);
-  double passed = 0;  // area of the faces before f
-  std::size_t k = 0;
-  for (Eigen::Index f = 0; f < mesh_.triangles.rows() && k < count; ++f) {
-    const double end = passed + area(f);
-    for (std::uint32_t in_face = 1; k < count; ++in_face, ++k) {
-      const double at = (static_cast<double>(k) + 0.5) * step;
-      if (at >= end) break;
-      double across = 0, digit = 0.5;  // van der Corput
-      for (std::uint32_t bits = in_face; bits; bits >>= 1, digit /= 2)
-        if (bits & 1u) across += digit;
-      const double along = std::sqrt((at - passed) / area(f));
-      const auto corner = [&](int i) -> Vec3 { return mesh_.vertices.row(mesh_.triangles(f, i)); };
-      samples.push_back({corner(0) + along * ((1 - across) * (corner(1) - corner(0)) +
-                                              across * (corner(2) - corner(0))),
-                         static_cast<Index>(f)});
-    }
-    passed = end;
-  }
-  return samples;
-}
-
 void Body::measure_contact(const Vec3& up, const Eigen::VectorXd& heights, double low,
                            Orientation& o) const {
   const Vec3 u = up.unitOrthogonal(), v = up.cross(u);
+  const double limit = low + kPlateHeight * o.height;
   std::vector<Vec2> contact;
+  const auto add = [&](const Vec3& p) { contact.emplace_back(p.dot(u), p.dot(v)); };
   for (Eigen::Index i = 0; i < mesh_.vertices.rows(); ++i)
-    if (heights[i] <= low + kContactHeight * o.height)
-      contact.emplace_back(mesh_.vertices.row(i).dot(u), mesh_.vertices.row(i).dot(v));
+    if (heights[i] <= limit) add(mesh_.vertices.row(i).transpose());
+  // Where edges leave the lowest slice: what carries must not depend on where vertices happen to
+  // be.
+  for (Eigen::Index i = 0; i < mesh_.triangles.size(); ++i) {
+    const Index a = mesh_.triangles.data()[i],
+                b = mesh_.triangles.data()[i % 3 < 2 ? i + 1 : i - 2];
+    if ((heights[a] <= limit) == (heights[b] <= limit)) continue;
+    const double s = (limit - heights[a]) / (heights[b] - heights[a]);
+    add((1 - s) * mesh_.vertices.row(a) + s * mesh_.vertices.row(b));
+  }
   const double inside =
       nearest_border(convex_hull(std::move(contact)), Vec2(center_.dot(u), center_.dot(v))).inside;
   o.tipping_deg = inside > 0 ? degrees(std::atan2(inside, center_.dot(up) - low)) : 0;
@@ -211,10 +187,10 @@ Orientation Body::figures(const Vec3& up, bool fine) const {
   }
   measure_contact(up, heights, low, o);
 
-  const std::vector<Sample>& samples = fine ? fine_ : rough_;
+  const std::vector<SurfacePoint>& samples = fine ? fine_ : rough_;
   const double clearance = 1e-6 * diagonal_;  // the face itself is no floor
   double sum = 0;
-  for (const Sample& sample : samples) {
+  for (const SurfacePoint& sample : samples) {
     const double nz = normals_.row(sample.face).dot(up);
     if (nz >= -kOverhang || !needs_support(sample.face, nz)) continue;
     const double drop = sample.point.dot(up) - low;
@@ -223,6 +199,15 @@ Orientation Body::figures(const Vec3& up, bool fine) const {
   }
   if (!samples.empty()) o.support_volume = sum * total_area_ / static_cast<double>(samples.size());
   return o;
+}
+
+double Body::cost(const Orientation& o) const {
+  // Half the surface faces down, so this is the area of the shadow, more where parts shade parts.
+  const double shadow = 0.5 * (normals_ * o.up).cwiseAbs().dot(areas_);
+  const auto lack = [](double value, double enough) { return std::max(0.0, 1 - value / enough); };
+  return o.overhang_area / total_area_ + kSupportDensity * o.support_volume / volume_scale_ +
+         kTippingCost * lack(o.tipping_deg, kStableTipping) +
+         kPointCost * lack(o.contact_area, kLeastContact * shadow);
 }
 
 // Unit normals of the regions of equal normal, largest area first.

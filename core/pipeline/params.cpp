@@ -1,16 +1,27 @@
 #include "pipeline/params.h"
 
 #include <cstdio>
+#include <string>
 
 #include "base/error.h"
 #include "base/units.h"
 #include "params/param_visitors.h"
 
 namespace s3 {
+namespace {
+
+constexpr int kFewestTets = 100;  // apart from 0
+
+}  // namespace
 
 Params resolve(const Params& params, const MachineProfile& machine) {
   Params resolved = params;
   check_ranges(list_params(resolved));
+  if (resolved.mesh.target_tets > 0 && resolved.mesh.target_tets < kFewestTets)
+    throw Error(ErrorKind::input, Stage::tetrahedralize, "params.out_of_range",
+                "mesh.target_tets is " + std::to_string(resolved.mesh.target_tets) + ", below " +
+                    std::to_string(kFewestTets),
+                "0 takes the number that the model's walls need");
   if (resolved.deform.max_tilt_deg == 0) resolved.deform.max_tilt_deg = degrees(machine.max_tilt);
   resolved.layers.min_thickness = params.layers.d_min();
   resolved.layers.max_thickness = params.layers.d_max();

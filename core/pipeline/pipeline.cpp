@@ -12,7 +12,9 @@
 #include "export/authors_waypoints.h"
 #include "export/gcode.h"
 #include "fea/read_stress.h"
+#include "mesh/parts.h"
 #include "mesh/read_mesh.h"
+#include "mesh/wall_thickness.h"
 #include "motion/five_axis.h"
 #include "params/param_visitors.h"
 #include "pipeline/evaluate.h"
@@ -87,8 +89,16 @@ void Pipeline::read_model(Context& ctx) {
 }
 
 void Pipeline::make_tets(Context& ctx) {
-  if (artifacts_.model.is_volume) return;  // used as it is
-  fill_surface(params_.mesh, artifacts_, ctx);
+  if (!artifacts_.model.is_volume) {  // a volume is used as it is
+    TetrahedralizeParams params = params_.mesh;
+    const TriMesh& given = artifacts_.given;
+    if (params.target_tets == 0)
+      params.target_tets = automatic_target(given, measure_walls(given, ctx));
+    fill_surface(params, artifacts_, ctx);
+    warn_about_thin_walls(artifacts_.rest, measure_walls(artifacts_.surface, ctx),
+                          params.target_tets, ctx);
+  }
+  warn_about_floating_parts(boundary_surface(artifacts_.rest), ctx);
 }
 
 void Pipeline::import_stress(Context&) {

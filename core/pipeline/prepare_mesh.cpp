@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "mesh/parts.h"
 #include "mesh/placement.h"
 #include "mesh/reorder.h"
 #include "mesh/repair_parts.h"
@@ -40,12 +41,18 @@ void prepare_volume(ModelFile file, const InputParams& params, Artifacts& artifa
 void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artifacts,
                      Context& ctx) {
   artifacts.model.triangles = static_cast<Index>(file.surface.triangles.rows());
+  InputParams input = params;
+  std::vector<Orientation> of_parts;
+  if (file.part_names.size() > 1)
+    input =
+        stand_parts(file.surface, file.part_of_triangle, file.part_names, params, of_parts, ctx);
   RepairResult repaired = repair_parts(file.surface, file.part_of_triangle, ctx);
   artifacts.model.repairs = std::move(repaired.changes);
   artifacts.model.defect = std::move(repaired.reason);
   TriMesh surface = std::move(repaired.surface);
   artifacts.placement =
-      placement(surface.vertices, surface.triangles, params, &artifacts.model.orientations, &ctx);
+      placement(surface.vertices, surface.triangles, input, &artifacts.model.orientations, &ctx);
+  if (!of_parts.empty()) artifacts.model.orientations = std::move(of_parts);
   transform_points(artifacts.placement, surface.vertices);
   warn_about_units(bounding_box(surface.vertices), ctx);
   if (artifacts.model.defect.empty()) artifacts.model.volume = enclosed_volume(surface);

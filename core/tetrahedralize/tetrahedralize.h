@@ -16,14 +16,16 @@ struct TetrahedralizeParams {
 
 template <class Visitor>
 void describe(Visitor& v, TetrahedralizeParams& p) {
-  v(p.target_tets, ParamInfo{.key = "mesh.target_tets",
-                             .label = "Tets",
-                             .unit = "",
-                             .doc = "Wanted number of tets of the volume mesh; ignored for volume "
-                                    "meshes, which are used as they are.",
-                             .min = 100,
-                             .max = 5e6,
-                             .stage = Stage::tetrahedralize});
+  v(p.target_tets,
+    ParamInfo{.key = "mesh.target_tets",
+              .label = "Tets",
+              .unit = "",
+              .doc = "Wanted number of tets of the volume mesh, 100 or more; 0 for two "
+                     "across the thinnest wall, within 30000 and 1000000. Ignored "
+                     "for volume meshes, which are used as they are.",
+              .min = 0,
+              .max = 5e6,
+              .stage = Stage::tetrahedralize});
   v(p.backend, ParamInfo{.key = "mesh.backend",
                          .label = "Mesher",
                          .unit = "",

@@ -186,6 +186,55 @@ test("a surface becomes tets first", () => {
   assert.ok(report.mesh.tets > 1000 && report.mesh.tets < 4000, `${report.mesh.tets} tets`);
 });
 
+test("several bodies are printed on one plate", () => {
+  runWell("run", path.join(root, "models/trio.stl"), "-o", "trio", "--mesh.target_tets", "9000", "--nozzle.diameter", "2");
+  const report = json("trio", "report.json");
+  assert.equal(report.curved.islands, 0);
+  assert.equal(report.curved.foldovers, 0);
+  assert.deepEqual(report.warnings.filter(({ code }) => code.startsWith("mesh.")), []);
+  const rows = read("trio", "waypoints.csv").toString().trimEnd().split("\n");
+  const points = rows.filter((row) => /^\d/.test(row)).map((row) => row.split(","));
+  // An arch, a drop and a block: their places along x, their heights.
+  const bodies = [[-40, -8, 16], [-6, 10, 26], [18, 36, 20]];
+  for (const [low, high, top] of bodies) {
+    const own = points.filter((row) => row[16] === "0" && row[3] > low - 1 && row[3] < high + 1);
+    assert.ok(own.length > 100, `${own.length} points between x = ${low} and ${high}`);
+    const z = own.map((row) => Number(row[5]));
+    assert.ok(z.reduce((a, b) => Math.max(a, b)) > top - 2.5, "printed to its top");
+    assert.ok(z.reduce((a, b) => Math.min(a, b)) < 2, "begun on the plate");
+  }
+  const between = points.filter((row) => row[16] === "0" && (row[3] > -7.5 && row[3] < -6.5 || row[3] > 11 && row[3] < 17));
+  assert.equal(between.length, 0, "nothing is printed between the bodies");
+});
+
+test("0 tets takes what the thinnest wall needs; too few are named with the target", () => {
+  write("plate.stl", boxStl([12, 9, 1]));
+  runWell("run", "plate.stl", "-o", "auto", "--mesh.target_tets", "0", "--until", "tetrahedralize");
+  const automatic = json("auto", "report.json");
+  assert.ok(automatic.mesh.tets > 25000 && automatic.mesh.tets < 36000, `${automatic.mesh.tets} tets`);
+  assert.deepEqual(automatic.warnings, []);
+  runWell("run", "plate.stl", "-o", "few", "--mesh.target_tets", "300", "--until", "tetrahedralize");
+  const thin = json("few", "report.json").warnings.find(({ code }) => code === "tetrahedralize.thin_wall");
+  assert.match(thin.message, /wall of 1 mm near .*mesh\.target_tets of about 8000/);
+  assert.equal(thin.where.length, 1);
+  assertInputError(run("run", "plate.stl", "-o", "few", "--mesh.target_tets", "99"), "mesh.target_tets", "100");
+});
+
+test("a search for the orientation lists what it found, and the first is taken", () => {
+  write("tower.stl", boxStl([4, 6, 60]));
+  const inspected = JSON.parse(runWell("inspect", "tower.stl", "--json").stdout);
+  assert.equal(inspected.orientations.length, 5);
+  runWell("run", "tower.stl", "-o", "lying", "--input.rotate", "auto", "--mesh.target_tets", "500", "--until", "tetrahedralize");
+  const { orientations } = json("lying", "report.json").input;
+  assert.deepEqual(orientations, inspected.orientations);
+  assert.equal(orientations[0].stable, true);
+  assert.ok(Math.abs(orientations[0].contact_area_mm2 - 360) < 1e-3);
+  assert.ok(Math.abs(orientations[0].height_mm - 4) < 1e-4);
+  assert.match(runWell("inspect", "tower.stl").stdout, /overhang mm2 .*stable\n.* yes\n/);
+  runWell("run", "tower.stl", "-o", "flat", "--input.rotate", "flat", "--mesh.target_tets", "500", "--until", "tetrahedralize");
+  assert.ok(Math.abs(json("flat", "report.json").input.orientations[0].height_mm - 4) < 1e-4);
+});
+
 test("--until stops after a stage; what was not computed is null, files of an earlier run go", () => {
   write("block.tet", tetText(leaningBlock()));
   runWell("run", "block.tet", "-o", "until", "--quiet");
