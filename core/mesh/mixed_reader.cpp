@@ -37,6 +37,13 @@ bool is_signed_integer(Number type) {
 
 }  // namespace
 
+std::string quoted(std::string_view word) {
+  std::string text = "'";
+  text.append(word.substr(0, 40));
+  text += '\'';
+  return text;
+}
+
 std::size_t size_of(Number type) {
   switch (type) {
     case Number::int8:

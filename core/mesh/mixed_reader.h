@@ -24,6 +24,9 @@ enum class Number : std::uint8_t {
 
 std::size_t size_of(Number type);
 
+/// The word in quotes, cut to a length that suits a message.
+std::string quoted(std::string_view word);
+
 /// Walks a file that begins as text; the rest may be text too, or binary of either byte order.
 /// Errors say where: "part.ply: line 12: …" or "part.ply: byte 1234: …".
 class MixedReader {

@@ -150,7 +150,7 @@ class Reader {
     const std::string_view name = xml.name();
     const std::size_t colon = name.find(':');
     if (name.substr(colon == std::string_view::npos ? 0 : colon + 1) != "model")
-      xml.fail("<" + std::string(name.substr(0, 40)) + "> where <model> should be");
+      xml.fail(std::string(name.substr(0, 40)) + " where the element model should be");
     if (colon != std::string_view::npos) part.prefix = name.substr(0, colon + 1);
     for (const XmlReader::Attribute& a : xml.attributes())
       if (a.value == kProductionNamespace && a.name.starts_with("xmlns:"))

@@ -36,7 +36,7 @@ Number take_type(MixedReader& reader, std::string_view& line) {
   const std::string_view word = take_word(line);
   for (const auto& [name, type] : kNames)
     if (name == word) return type;
-  reader.fail("'" + std::string(word.substr(0, 40)) + "' is no type of a property");
+  reader.fail(quoted(word) + " is no type of a property");
 }
 
 Property take_property(MixedReader& reader, std::string_view line) {
@@ -58,7 +58,7 @@ MixedReader::Mode take_encoding(MixedReader& reader, std::string_view line) {
   if (word == "ascii") return MixedReader::Mode::text;
   if (word == "binary_little_endian") return MixedReader::Mode::little_endian;
   if (word == "binary_big_endian") return MixedReader::Mode::big_endian;
-  reader.fail("'" + std::string(word.substr(0, 40)) + "' is no encoding of PLY");
+  reader.fail(quoted(word) + " is no encoding of PLY");
 }
 
 Element take_element(MixedReader& reader, std::string_view line) {
@@ -66,8 +66,7 @@ Element take_element(MixedReader& reader, std::string_view line) {
   element.name = take_word(line);
   const std::string_view word = take_word(line);
   const std::optional<std::int64_t> count = parse_integer(word);
-  if (!count || *count < 0)
-    reader.fail("'" + std::string(word.substr(0, 40)) + "' is no number of elements");
+  if (!count || *count < 0) reader.fail(quoted(word) + " is no number of elements");
   element.count = static_cast<std::uint64_t>(*count);
   return element;
 }
@@ -89,7 +88,7 @@ std::vector<Element> take_header(MixedReader& reader) {
       if (elements.empty()) reader.fail("a property before the first element");
       elements.back().properties.push_back(take_property(reader, line));
     } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-      reader.fail("'" + std::string(keyword.substr(0, 40)) + "' in the header");
+      reader.fail(quoted(keyword) + " in the header");
     }
   }
   if (!mode) reader.fail("the header names no encoding");

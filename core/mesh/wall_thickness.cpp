@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kSamples = 16384;
 constexpr double kOpposite = -0.866;  // cos 150°
-constexpr double kEdgePerThickness = 0.5;
+constexpr double kEdgePerThickness = 0.42;
 constexpr int kLeastTarget = 30000, kMostTarget = 1000000;
 constexpr double kMostTets = 5e6;  // that a job may ask for
 constexpr double kOnSide = 0.2;    // of the thickness: so near to a side a corner lies on it

@@ -31,8 +31,8 @@ struct WallThickness {
 /// @param surface  closed, counter-clockwise from outside, mm
 WallThickness measure_walls(const TriMesh& surface, Context& ctx);
 
-/// Tets with which a wall gets two across: even tets with an edge of half its thickness (measured
-/// with warn_about_thin_walls() on plates).
+/// Tets with which a wall gets two across: even tets with an edge of 0.42 times its thickness
+/// (measured with warn_about_thin_walls() on plates).
 /// @param volume  of the model, mm³
 double tets_for_wall(double volume, double thickness);
 

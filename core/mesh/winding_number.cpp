@@ -13,7 +13,8 @@ namespace s3 {
 namespace {
 
 constexpr std::size_t kLeafSize = 8;
-// A node's expansion stands for its triangles beyond this many radii (β of the paper, which takes 2).
+// A node's expansion stands for its triangles beyond this many radii (β of the paper, which takes
+// 2).
 constexpr double kAccuracy = 2.5;
 // The tree halves by count: 2³¹ triangles are 31 levels.
 constexpr std::size_t kStackSize = 64;

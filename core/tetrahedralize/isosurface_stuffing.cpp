@@ -30,6 +30,8 @@ constexpr double kFirstShare = 0.2;
 constexpr double kCountTolerance = 0.08;
 constexpr double kAllowedMiss = 0.15;
 constexpr int kMaxRuns = 8;
+// What a lattice four times as fine does not hit either is nothing.
+constexpr int kMaxEmptyRuns = 2;
 // A volume that is off by more than this is worth a warning.
 constexpr double kVolumeSlack = 0.03;
 
@@ -92,6 +94,7 @@ Filling fill_to_target(const SurfaceSolid& solid, double volume, double target, 
   double too_small = smallest, too_large = std::numeric_limits<double>::infinity();
   Filling best;
   double best_miss = std::numeric_limits<double>::infinity();
+  int empty_runs = 0;
   for (int run = 0; run < kMaxRuns; ++run) {
     Filling filling = fill_lattice(solid, size, ctx);
     ctx.progress(Stage::tetrahedralize, 0.8 * (run + 1) / kMaxRuns);
@@ -106,6 +109,7 @@ Filling fill_to_target(const SurfaceSolid& solid, double volume, double target, 
       best = std::move(filling);
     }
     if (std::abs(count - target) <= kCountTolerance * target || size == smallest) break;
+    if (count == 0 && ++empty_runs > kMaxEmptyRuns) break;
     size = std::max(smallest, next);
   }
   if (best.mesh.tet_count() == 0) throw_empty();

@@ -17,7 +17,7 @@ std::string from_hex(const std::string& hex) {
 
 std::string numbers() {
   std::string text = "0";
-  for (int i = 1; i < 120; ++i) text += " " + std::to_string(i * i * 7919 % 1000);
+  for (int i = 1; i < 120; ++i) text.append(1, ' ').append(std::to_string(i * i * 7919 % 1000));
   return text;
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "grid_mesh.h"
-#include "mesh/refine_surface.h"
 #include "tetrahedralize/tetrahedralize.h"
 
 using namespace s3;
@@ -58,9 +57,9 @@ TEST_CASE("a wedge of more than 30° is no wall") {
 
 TEST_CASE("the automatic target follows the thinnest wall") {
   const TriMesh plate = box(Vec3(60, 60, 1.5)), block = box(Vec3(50, 50, 50));
-  // 5400 mm³ of regular tets with an edge of 0.75 mm: edge³/(6√2) each.
+  // 5400 mm³ of regular tets with an edge of 0.63 mm: edge³/(6√2) each.
   CHECK(automatic_target(plate, walls_of(plate)) ==
-        doctest::Approx(5400 * 6 * std::sqrt(2.0) / std::pow(0.75, 3)).epsilon(1e-3));
+        doctest::Approx(5400 * 6 * std::sqrt(2.0) / std::pow(0.63, 3)).epsilon(1e-3));
   CHECK(automatic_target(block, walls_of(block)) == 30000);
   const TriMesh sheet = box(Vec3(500, 500, 0.5));
   CHECK(automatic_target(sheet, walls_of(sheet)) == 1000000);
@@ -84,8 +83,7 @@ TEST_CASE("the target that a warning about a thin wall names resolves the wall")
     const TriMesh surface = box(size);
     const WallThickness walls = walls_of(surface);
     const auto fill = [&](int target, Context& ctx) {
-      const TriMesh fine = refine_surface(surface, target_edge_for(surface, target));
-      return tetrahedralize(fine, {.target_tets = target}, ctx).mesh;
+      return tetrahedralize(surface, {.target_tets = target}, ctx).mesh;
     };
     Context coarse, fine;
     warn_about_thin_walls(fill(500, coarse), walls, 500, coarse);
