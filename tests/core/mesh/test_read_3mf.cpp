@@ -142,7 +142,9 @@ TEST_CASE("a 3MF file of one object is one part in mm") {
 TEST_CASE("the units of a 3MF file are converted, and that is said") {
   const std::pair<const char*, double> units[] = {
       {"micron", 0.001}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1000}};
-  for (const auto& [unit, mm] : units) {
+  for (const auto& entry : units) {
+    const std::string unit = entry.first;
+    const double mm = entry.second;
     CAPTURE(unit);
     const std::string moved =
         resources(object(1, kMesh)) + build(item(1, "transform=\"1 0 0 0 1 0 0 0 1 10 20 30\""));
