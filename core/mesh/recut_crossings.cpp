@@ -14,8 +14,8 @@ namespace s3 {
 
 namespace {
 
-constexpr double kMostArea = 0.02, kMostVolume = 0.01;  // of the surface
-constexpr int kRounds = 4;                              // with one more ring of neighbours each
+constexpr double kMostArea = 0.05, kMostVolume = 0.01;  // of the surface
+constexpr int kRounds = 8, kMostRings = 3;
 constexpr double kIsland = 1e-3;  // of the area: loose pieces below it go with the cut
 
 std::size_t at(Index i) {
@@ -68,6 +68,27 @@ void mark_islands(const TriMesh& mesh, double whole, std::vector<char>& marked) 
     if (open[at(part[f])] && area[at(part[f])] < kIsland * whole) marked[at(original[f])] = 1;
 }
 
+// The surface without the marked triangles, closed anew.
+Recut cut_and_close(const TriMesh& mesh, const std::vector<char>& marked, Context& ctx) {
+  Recut cut;
+  double gone = 0;
+  std::vector<char> keep(marked.size());
+  for (std::size_t f = 0; f < keep.size(); ++f) {
+    keep[f] = !marked[f];
+    if (keep[f]) continue;
+    gone += area_of(mesh, static_cast<Index>(f));
+    cut.removed.add(centroid_of(mesh, static_cast<Index>(f)));
+  }
+  cut.area_share = gone / surface_area(mesh);
+  cut.surface = mesh;
+  keep_triangles(cut.surface, keep);
+  fill_holes(cut.surface, true, ctx);
+  drop_unused_vertices(cut.surface);
+  split_nonmanifold(cut.surface);
+  cut.report = inspect_split(cut.surface, &ctx);
+  return cut;
+}
+
 }  // namespace
 
 std::optional<Recut> recut_crossings(const TriMesh& mesh, const MeshReport& report, Context& ctx) {
@@ -75,37 +96,37 @@ std::optional<Recut> recut_crossings(const TriMesh& mesh, const MeshReport& repo
       report.self_intersections.count >= MeshReport::kMaxIntersections ||
       crosses_other_shell(mesh, report))
     return std::nullopt;
-  TriMesh welded = mesh;
-  weld_equal_vertices(welded);
-  if (welded.triangles.rows() != mesh.triangles.rows()) return std::nullopt;
-  const double area = surface_area(mesh), volume = enclosed_volume(mesh);
-  std::vector<char> marked(at(static_cast<Index>(mesh.triangles.rows())), 0);
-  for (const auto& [f, g] : report.intersecting_pairs) marked[at(f)] = marked[at(g)] = 1;
-
+  const double volume = enclosed_volume(mesh);
+  Recut best;
+  best.surface = mesh;
+  best.report = report;
+  int rings = 0;
   for (int round = 0; round < kRounds; ++round) {
     ctx.checkpoint();
-    grow(welded, marked);
-    mark_islands(welded, area, marked);
-    Recut cut;
-    double gone = 0;
-    std::vector<char> keep(marked.size());
-    for (std::size_t f = 0; f < keep.size(); ++f) {
-      keep[f] = !marked[f];
-      if (keep[f]) continue;
-      gone += area_of(welded, static_cast<Index>(f));
-      cut.removed.add(centroid_of(welded, static_cast<Index>(f)));
+    TriMesh welded = best.surface;
+    weld_equal_vertices(welded);
+    if (welded.triangles.rows() != best.surface.triangles.rows()) return std::nullopt;
+    std::vector<char> marked(at(static_cast<Index>(welded.triangles.rows())), 0);
+    for (const auto& [f, g] : best.report.intersecting_pairs) marked[at(f)] = marked[at(g)] = 1;
+    for (int i = 0; i < rings; ++i) grow(welded, marked);
+    mark_islands(welded, surface_area(welded), marked);
+    Recut cut = cut_and_close(welded, marked, ctx);
+    if (best.area_share + cut.area_share > kMostArea) return std::nullopt;
+    const bool better = cut.report.open_edges.count == 0 &&
+                        cut.report.self_intersections.count < best.report.self_intersections.count;
+    if (!better) {
+      ++rings;
+      continue;
     }
-    cut.area_share = gone / area;
-    if (cut.area_share > kMostArea) return std::nullopt;
-    cut.surface = welded;
-    keep_triangles(cut.surface, keep);
-    fill_holes(cut.surface, true, ctx);
-    drop_unused_vertices(cut.surface);
-    split_nonmanifold(cut.surface);
-    cut.report = inspect_split(cut.surface, &ctx);
-    if (cut.report.valid() &&
-        std::abs(enclosed_volume(cut.surface) - volume) <= kMostVolume * std::abs(volume))
-      return cut;
+    cut.area_share += best.area_share;
+    for (const Vec3& place : best.removed.where) cut.removed.add(place);
+    cut.removed.count += best.removed.count - static_cast<Index>(best.removed.where.size());
+    best = std::move(cut);
+    rings = std::min(rings + 1, kMostRings);
+    if (best.report.valid())
+      return std::abs(enclosed_volume(best.surface) - volume) <= kMostVolume * std::abs(volume)
+                 ? std::optional<Recut>(std::move(best))
+                 : std::nullopt;
   }
   return std::nullopt;
 }

@@ -15,11 +15,11 @@ struct Recut {
   double area_share = 0;  // of the surface
 };
 
-/// Cuts out the triangles that cross each other, with more and more of their neighbours, and fills
-/// the holes, until nothing crosses. Only small cuts in bodies of their own: bodies that cross each
-/// other overlap, and what is to become of them is no question of a few triangles.
+/// Cuts out the triangles that cross each other and fills the holes; what crosses still, or anew,
+/// is cut out with more and more of its neighbours. Only small cuts in bodies of their own: bodies
+/// that cross each other overlap, and what is to become of them is no question of a few triangles.
 /// @param report  of the surface, with all its intersecting pairs
-/// @return nothing where that would take more than a fiftieth of the area or change the volume by
+/// @return nothing where that would take more than a twentieth of the area or change the volume by
 ///         more than a hundredth, or does not help
 /// @throws Cancelled
 std::optional<Recut> recut_crossings(const TriMesh& mesh, const MeshReport& report, Context& ctx);
