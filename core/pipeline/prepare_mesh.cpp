@@ -8,6 +8,7 @@
 #include "mesh/placement.h"
 #include "mesh/reorder.h"
 #include "mesh/repair_parts.h"
+#include "mesh/up_axis.h"
 #include "mesh/validate.h"
 #include "tetrahedralize/tetrahedralize.h"
 
@@ -25,6 +26,7 @@ std::vector<Index> inverse(const std::vector<Index>& order) {
 
 void prepare_volume(ModelFile file, const InputParams& params, Artifacts& artifacts, Context& ctx) {
   TetMesh mesh = make_tet_mesh(std::move(file.vertices), std::move(file.tets));
+  warn_about_up_axis(boundary_surface(mesh), params, ctx);
   artifacts.placement =
       placement(mesh.vertices, mesh.boundary_faces, params, &artifacts.model.orientations, &ctx);
   transform_points(artifacts.placement, mesh.vertices);
@@ -50,6 +52,7 @@ void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artif
   artifacts.model.repairs = std::move(repaired.changes);
   artifacts.model.defect = std::move(repaired.reason);
   TriMesh surface = std::move(repaired.surface);
+  warn_about_up_axis(surface, input, ctx);
   artifacts.placement =
       placement(surface.vertices, surface.triangles, input, &artifacts.model.orientations, &ctx);
   if (!of_parts.empty()) artifacts.model.orientations = std::move(of_parts);

@@ -9,6 +9,7 @@
 #include "mesh/orientation_json.h"
 #include "mesh/read_mesh.h"
 #include "mesh/repair_parts.h"
+#include "mesh/up_axis.h"
 #include "mesh/validate.h"
 #include "tetrahedralize/quality.h"
 
@@ -82,6 +83,7 @@ Json inspect_surface_file(const ModelFile& file, Context& ctx) {
   const TriMesh& surface = file.surface;
   Json json = surface_json(inspect_surface(surface, &ctx));
   warn_about_units(bounding_box(surface.vertices), ctx);
+  warn_about_up_axis(surface, {}, ctx);
   const RepairResult repaired = repair_parts(surface, file.part_of_triangle, ctx);
   json["repairs"] = repairs_json(repaired.changes);
   json["valid_after_repair"] = repaired.valid;
@@ -99,6 +101,7 @@ Json inspect_volume_file(ModelFile file, Context& ctx) {
   const TriMesh surface = boundary_surface(mesh);
   const TetQuality quality = tet_quality(mesh);
   warn_about_units(bounding_box(mesh.vertices), ctx);
+  warn_about_up_axis(surface, {}, ctx);
   Json json = box_json(bounding_box(mesh.vertices));
   json.update({{"vertices", mesh.vertex_count()},
                {"tets", mesh.tet_count()},

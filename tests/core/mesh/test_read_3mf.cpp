@@ -8,36 +8,13 @@
 
 #include "base/error.h"
 #include "damaged_files.h"
-#include "mesh/inflate.h"
+#include "stored_zip.h"
 
 using namespace s3;
 
 namespace {
 
-using Files = std::vector<std::pair<std::string, std::string>>;
-
-std::string little_endian(std::uint64_t value, int bytes) {
-  std::string text;
-  for (int i = 0; i < bytes; ++i) text += static_cast<char>(value >> (8 * i) & 0xff);
-  return text;
-}
-
-// An archive of stored files; the test of the program packs them with another library.
-std::string zip(const Files& files) {
-  std::string archive, directory;
-  for (const auto& [name, content] : files) {
-    const std::string common = little_endian(20, 2) + little_endian(0, 8) +
-                               little_endian(crc32(content), 4) + little_endian(content.size(), 4) +
-                               little_endian(content.size(), 4) + little_endian(name.size(), 2);
-    directory += "PK\x01\x02" + little_endian(20, 2) + common + little_endian(0, 12) +
-                 little_endian(archive.size(), 4) + name;
-    archive += "PK\x03\x04" + common + little_endian(0, 2) + name + content;
-  }
-  const std::string count = little_endian(files.size(), 2);
-  return archive + directory + "PK\x05\x06" + little_endian(0, 4) + count + count +
-         little_endian(directory.size(), 4) + little_endian(archive.size(), 4) +
-         little_endian(0, 2);
-}
+using test::stored_zip;
 
 std::string relation(const std::string& target) {
   return "<?xml version=\"1.0\"?><Relationships><Relationship Target=\"" + target +
@@ -55,9 +32,9 @@ std::string model_xml(const std::string& inside, const std::string& attributes =
 }
 
 std::string archive_of(const std::string& xml) {
-  return zip({{"[Content_Types].xml", "<Types/>"},
-              {"_rels/.rels", relation("/3D/3dmodel.model")},
-              {"3D/3dmodel.model", xml}});
+  return stored_zip({{"[Content_Types].xml", "<Types/>"},
+                     {"_rels/.rels", relation("/3D/3dmodel.model")},
+                     {"3D/3dmodel.model", xml}});
 }
 
 // The tetrahedron (0,0,0) (1,0,0) (0,2,0) (0,0,3), outward, volume 1.
@@ -199,9 +176,9 @@ TEST_CASE("meshes in other files of a 3MF archive are found") {
                 "requiredextensions=\"p\"");
   const std::string other =
       model_xml(resources(object(1, kMesh, "name=\"far\"")) + "<build/>\n", "unit=\"inch\"");
-  const ModelFile model = test::read(zip({{"_rels/.rels", relation("/3D/root.model")},
-                                          {"3D/root.model", root},
-                                          {"3D/Objects/one.model", other}}),
+  const ModelFile model = test::read(stored_zip({{"_rels/.rels", relation("/3D/root.model")},
+                                                 {"3D/root.model", root},
+                                                 {"3D/Objects/one.model", other}}),
                                      "a.3mf");
   CHECK(model.part_names == std::vector<std::string>{"far", "far"});
   CHECK(model.surface.vertices(1, 0) == doctest::Approx(7 + 25.4));
@@ -269,7 +246,8 @@ TEST_CASE("3MF errors say where and what") {
   CHECK(error_of_xml(model_xml(resources(object(1, components(component(1)))) + build(item(1))))
             .find("object 1 is named before it is there") != std::string::npos);
   CHECK(error_of_xml(model_xml(resources("") + build(""))).find("mesh.empty_file") == 0);
-  CHECK(error_of(zip({{"a.txt", "x"}})).find("holds no '3D/3dmodel.model'") != std::string::npos);
+  CHECK(error_of(stored_zip({{"a.txt", "x"}})).find("holds no '3D/3dmodel.model'") !=
+        std::string::npos);
 }
 
 TEST_CASE("a small 3MF file cannot ask for much time or memory") {
