@@ -242,6 +242,7 @@ class Filler {
 
   bool fill_flat(const std::vector<Loop>& loops, const std::vector<std::size_t>& group) {
     std::vector<std::vector<Index>> outline;
+    outline.reserve(group.size());
     for (const std::size_t i : group) outline.push_back(loops[i].vertices);
     const auto triangles = fill_polygon(mesh_.vertices, outline, loops[group[0]].normal());
     if (triangles.empty() || (group.size() == 1 && uses_old_edge(triangles, loops[group[0]])))

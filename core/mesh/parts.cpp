@@ -143,6 +143,7 @@ std::vector<Index> groups_of(const std::vector<PartContact>& contacts, Index par
   Sets sets(parts);
   for (const PartContact& c : contacts) sets.join(c.first, c.second);
   std::vector<Index> group;
+  group.reserve(static_cast<std::size_t>(parts));
   for (Index p = 0; p < parts; ++p) group.push_back(sets.find(p));
   return group;
 }
@@ -151,6 +152,7 @@ void warn_about_merged(const std::vector<PartContact>& contacts,
                        const std::vector<std::string>& names, Context& ctx) {
   if (contacts.empty()) return;
   std::vector<Vec3> places;
+  places.reserve(contacts.size());
   for (const PartContact& c : contacts) places.push_back(c.place);
   const PartContact& c = contacts.front();
   std::string text = "The parts " + named(names, c.first) + " and " + named(names, c.second) +
@@ -196,6 +198,7 @@ InputParams stand_parts(TriMesh& surface, const std::vector<Index>& part_of_tria
   warn_about_merged(contacts, part_names, ctx);
   const std::vector<Index> group = groups_of(contacts, parts);
   std::vector<Index> group_of_triangle;
+  group_of_triangle.reserve(part_of_triangle.size());
   for (const Index part : part_of_triangle)
     group_of_triangle.push_back(group[static_cast<std::size_t>(part)]);
 

@@ -74,6 +74,7 @@ void drop_flaps(const TriMesh& mesh, const std::vector<char>& is_double, std::ve
 Defect remove_duplicate_triangles(TriMesh& mesh) {
   Defect removed;
   std::vector<Sorted> all;
+  all.reserve(static_cast<std::size_t>(mesh.triangles.rows()));
   for (Index f = 0; f < mesh.triangles.rows(); ++f) all.push_back(sorted_corners(mesh, f));
   std::sort(all.begin(), all.end());
   std::vector<char> keep(all.size(), 1), is_double(all.size(), 0);

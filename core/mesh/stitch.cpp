@@ -94,6 +94,7 @@ void join_open_vertices(TriMesh& mesh, double tolerance, Stitched& done) {
   const std::vector<Index> vertices = vertices_of(open_sides(mesh));
   const std::vector<double> reach = reach_of_vertices(mesh);
   std::vector<std::array<Index, 2>> points;
+  points.reserve(vertices.size());
   for (const Index v : vertices) points.push_back({v, v});
   const AabbTree tree = tree_of(mesh.vertices, points);
 
@@ -153,6 +154,7 @@ struct OnEdge {
 std::vector<OnEdge> vertices_on_edges(const TriMesh& mesh, const std::vector<Side>& open,
                                       double tolerance) {
   std::vector<std::array<Index, 2>> segments;
+  segments.reserve(open.size());
   for (const Side& side : open) segments.push_back({side.from(), side.to()});
   const AabbTree tree = tree_of(mesh.vertices, segments);
   const std::vector<double> reach = reach_of_vertices(mesh);

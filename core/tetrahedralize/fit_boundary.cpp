@@ -351,7 +351,7 @@ class Fit {
       double best_quality = now + kGain;
       for (int i = 0; i < 27; ++i) {
         if (i == 13) continue;
-        const Vec3 direction(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+        const Vec3 direction = Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1).cast<double>();
         Vec3 p = from + step * size_ / direction.norm() * direction;
         if (!constrain(v, p)) continue;
         put(v, p);

@@ -51,8 +51,8 @@ struct Tetrahedralization {
 /// Where "auto" falls back on stuffing there is a warning "tetrahedralize.stuffed" with the reason.
 /// Shells that are turned inside out bound cavities, which stay empty.
 /// The number of tets comes within about 15 % of the target where the surface allows; a surface
-/// whose own triangles force more is warned about ("tetrahedralize.more_tets"). Equal input gives
-/// equal output on every platform.
+/// whose own triangles force more is warned about ("tetrahedralize.more_tets"). TetGen gives
+/// equal output for equal input on every platform, stuffing on one platform only.
 /// @param surface  mm, finite, indices in range. For TetGen the border of a solid (mesh/validate.h)
 /// @param defect   why the surface is no valid border of a solid, as a sentence; empty for a valid
 ///                 one. With a defect "auto" does not try TetGen, which may not survive it.
