@@ -24,10 +24,13 @@ constexpr double kArrived = 1e-9;
 // Sines of dihedral angles: what a move must keep, and what smoothing works for.
 constexpr double kKeepSine = 0.14;    // 8°
 constexpr double kWantedSine = 0.45;  // 27°
+// Less than this decides nothing: symmetric shapes are full of ties, which rounding breaks
+// differently on every platform.
+constexpr double kTie = 1e-7;
 constexpr int kRounds = 10;
 constexpr int kFinalSweeps = 6;
 // How often the fit starts again with vertices kept in place; then all of them stay.
-constexpr int kAttempts = 6;
+constexpr int kAttempts = 4;
 
 enum class Bond : char { inner, surface, curve, corner, fixed };
 
@@ -178,14 +181,14 @@ class Fit {
                               [](const auto& a, const auto& b) { return a.first < b.first; });
     };
 
-    std::vector<std::pair<double, Index>> candidates;
+    std::vector<std::pair<long, Index>> candidates;
     for (std::size_t i = 0; i < at_vertex.size(); ++i) {
       const Index v = at_vertex[i].first;
       if ((i > 0 && at_vertex[i - 1].first == v) || bond(v) == Bond::corner) continue;
       const Closest closest = curves_.segments.closest(at(v), kCurveReach * size_);
       if (closest.triangle < 0) continue;
       target_[static_cast<std::size_t>(v)] = closest.point;
-      candidates.emplace_back(closest.distance, v);
+      candidates.emplace_back(std::lround(closest.distance / (kTie * size_)), v);
     }
     std::sort(candidates.begin(), candidates.end());
     std::vector<int> covered(crossing.size(), 0);
@@ -355,7 +358,8 @@ class Fit {
         Vec3 p = from + step * size_ / direction.norm() * direction;
         if (!constrain(v, p)) continue;
         put(v, p);
-        if (const double q = quality(v, best_quality); q > best_quality) {
+        const double enough = best_quality + kTie;
+        if (const double q = quality(v, enough); q > enough) {
           best_quality = q;
           best = p;
         }

@@ -71,6 +71,14 @@ double size_for(double target, const Filling& known) {
   return 0.5 * (small + large);
 }
 
+// Twenty bits of a size: the last bits of cube roots and long sums differ between platforms.
+double rounded(double size) {
+  constexpr double kSteps = 1 << 20;
+  int exponent = 0;
+  const double mantissa = std::frexp(size, &exponent);
+  return std::ldexp(std::round(mantissa * kSteps) / kSteps, exponent);
+}
+
 [[noreturn]] void throw_empty() {
   throw Error(ErrorKind::slicing, Stage::tetrahedralize, "tetrahedralize.empty",
               "No point has triangles of the surface around it",
@@ -86,10 +94,10 @@ std::string percent(double share) {
 
 // The lattice whose filling has the wanted count.
 Filling fill_to_target(const SurfaceSolid& solid, double volume, double target, Context& ctx) {
-  const double smallest = smallest_lattice_size(solid.box.min, solid.box.max);
+  const double smallest = rounded(smallest_lattice_size(solid.box.min, solid.box.max));
   const Vec3 extent = solid.box.max - solid.box.min;
   double size = std::cbrt(kTetsPerCube * volume / (kFirstShare * target));
-  size = std::clamp(size, smallest, std::max(smallest, extent.maxCoeff() / 4));
+  size = rounded(std::clamp(size, smallest, std::max(smallest, extent.maxCoeff() / 4)));
   // Sizes known to give too many and too few tets: thin walls make the count jump between them.
   double too_small = smallest, too_large = std::numeric_limits<double>::infinity();
   Filling best;
@@ -110,7 +118,7 @@ Filling fill_to_target(const SurfaceSolid& solid, double volume, double target, 
     }
     if (std::abs(count - target) <= kCountTolerance * target || size == smallest) break;
     if (count == 0 && ++empty_runs > kMaxEmptyRuns) break;
-    size = std::max(smallest, next);
+    size = rounded(std::max(smallest, next));
   }
   if (best.mesh.tet_count() == 0) throw_empty();
   return best;

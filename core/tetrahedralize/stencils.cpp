@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -19,6 +19,16 @@ constexpr double kWarpLong = 0.24999;
 constexpr double kWarpShort = 0.41189;
 // A vertex that must not move keeps its cuts at least this share of the edge away.
 constexpr double kKeepAway = 0.3;
+
+// Symmetric shapes are full of ties, which rounding decides differently on every platform: lengths
+// are compared coarsely, and equal ones are told apart by their numbers.
+constexpr double kCoarse = 1e-7;
+long coarse(double x) {
+  return std::lround(x / kCoarse);
+}
+bool is_shorter(double square, double than) {
+  return square < (1 - kCoarse) * than;
+}
 
 enum class Side : signed char { outside = -1, border = 0, inside = 1 };
 
@@ -74,15 +84,17 @@ class Stuffing {
       side_[v] = winding_[v] > 0 ? Side::inside : Side::outside;
     moved_.clear();
 
-    std::vector<std::tuple<double, Index, Index>> candidates;
+    std::vector<std::tuple<long, Index, Index>> candidates;
     for (std::size_t c = 0; c < cuts_.size(); ++c) {
       LatticeCut& cut = cuts_[c];
       keep_away_from_frozen(cut);
       const double limit = BccLattice::is_long(cut.inner, cut.outer) ? kWarpLong : kWarpShort;
-      if (cut.t < limit && !frozen_[static_cast<std::size_t>(cut.inner)])
-        candidates.emplace_back(cut.t / limit, cut.inner, static_cast<Index>(c));
-      if (1 - cut.t < limit && !frozen_[static_cast<std::size_t>(cut.outer)])
-        candidates.emplace_back((1 - cut.t) / limit, cut.outer, static_cast<Index>(c));
+      const auto offer = [&](Index v, double share) {
+        if (share < limit && !frozen_[static_cast<std::size_t>(v)])
+          candidates.emplace_back(coarse(share / limit), v, static_cast<Index>(c));
+      };
+      offer(cut.inner, cut.t);
+      offer(cut.outer, 1 - cut.t);
     }
     std::sort(candidates.begin(), candidates.end());
     for (const auto& [distance, v, c] : candidates) {
@@ -173,7 +185,7 @@ class Stuffing {
     const bool to_m = from_first(p, q, m), to_n = from_first(p, q, n);
     const double across = (point(first[1]) - point(second[2])).squaredNorm(),
                  back = (point(second[1]) - point(first[2])).squaredNorm();
-    bool between = across < back;
+    bool between = is_shorter(across, back);
     // A cycle: every lateral edge has one diagonal at each end.
     if (to_m == between && between == !to_n) between = !between;
     add_prism(first, second, {to_m, between, !to_n});
@@ -203,7 +215,8 @@ class Stuffing {
     if (BccLattice::is_long(q, m)) return true;
     const double from_p = (point(at(p)) - point(cut(q, m))).squaredNorm(),
                  from_q = (point(at(q)) - point(cut(p, m))).squaredNorm();
-    return from_p != from_q ? from_p < from_q : p < q;
+    if (is_shorter(from_p, from_q)) return true;
+    return !is_shorter(from_q, from_p) && p < q;
   }
 
   void add(Index a, Index b, Index c, Index d) { tets_.push_back({a, b, c, d}); }

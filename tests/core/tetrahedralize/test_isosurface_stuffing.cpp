@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -172,6 +173,20 @@ TEST_CASE("stuffing gives the same tets for any number of threads, and again") {
   const TetMesh a = fill_by_stuffing(ring, 8000, one), b = fill_by_stuffing(ring, 8000, three);
   CHECK(a.vertices == b.vertices);
   CHECK(a.tets == b.tets);
+}
+
+TEST_CASE("native and WebAssembly builds stuff the same tets") {
+  // The cube's coordinates are exact, so that no library function of the platform takes part in the
+  // input.
+  const TetMesh mesh = stuff(join(cube(16), moved(cube(8), Vec3(12.25, 4.5, 3.125))), 4000);
+  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a over corners and coordinates
+  const auto add = [&](std::uint64_t x) { hash = (hash ^ x) * 1099511628211ULL; };
+  for (Eigen::Index i = 0; i < mesh.tets.size(); ++i)
+    add(static_cast<std::uint64_t>(mesh.tets.data()[i]));
+  for (Eigen::Index i = 0; i < mesh.vertices.size(); ++i)
+    add(static_cast<std::uint64_t>(std::llround(1e6 * mesh.vertices.data()[i])));
+  CHECK(mesh.tet_count() == 3851);
+  CHECK(hash == 5532744298887977727ULL);
 }
 
 TEST_CASE("walls that the lattice cannot hold are reported with the share that is left") {
