@@ -268,8 +268,7 @@ void warn_about_floating_parts(const TriMesh& placed, Context& ctx) {
            std::to_string(places.size()) + (places.size() == 1 ? " body starts" : " bodies start") +
                " up to " + gap.data() + " mm above the plate without touching anything, near " +
                at_place(places.front()) +
-               ": it needs support, or make it an object of its own (3MF, OBJ), which is put onto "
-               "the plate",
+               ": support it, lower it to the plate, or join it to what it belongs to",
            places);
 }
 
