@@ -57,6 +57,10 @@ TriMesh read_stl_binary(std::span<const std::byte> bytes, std::string_view file_
   if (count > held)
     bad_binary(file_name, "the header promises " + std::to_string(count) +
                               " triangles, the file holds " + std::to_string(held));
+  // Some bytes of another program's may follow, but a whole number of triangles is no accident.
+  if (count < held && bytes.size() == kHeaderBytes + kTriangleBytes * held)
+    bad_binary(file_name, "the header counts " + std::to_string(count) +
+                              " triangles, the file holds " + std::to_string(held));
   Welder welder(count / 2);
   std::vector<Index> corners;
   corners.reserve(3 * count);

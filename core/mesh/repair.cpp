@@ -61,9 +61,7 @@ class Repair {
   RepairResult run() {
     drop_wild_triangles();
     drop_unused();
-    if (mesh_.triangles.rows() == 0)
-      throw Error(ErrorKind::input, Stage::mesh, "mesh.empty", "The surface has no triangles",
-                  "Export the model with its faces");
+    if (mesh_.triangles.rows() == 0) throw_empty();
     diagonal_ = bounding_box(mesh_.vertices).diagonal();
     if (!(diagonal_ > kSmallestModel)) throw_flat({});
     report_ = inspect_surface(mesh_, &ctx_);
@@ -88,6 +86,18 @@ class Repair {
   void note(const char* code, std::string sentence, const Defect& defect) {
     if (defect.count > 0)
       changes_.push_back({code, std::move(sentence), defect.count, defect.where});
+  }
+
+  [[noreturn]] void throw_empty() const {
+    if (changes_.empty())
+      throw Error(ErrorKind::input, Stage::mesh, "mesh.empty", "The surface has no triangles",
+                  "Export the model with its faces");
+    char text[120];
+    std::snprintf(text, sizeof text,
+                  "The coordinates of all triangles are no numbers or farther out than %.0e mm",
+                  kLargestCoordinate);
+    throw Error(ErrorKind::input, Stage::mesh, "mesh.too_far_out", text,
+                "The file is damaged; export the model again, in millimetres");
   }
 
   // Coordinates that are no numbers, or lie absurdly far out.
@@ -419,9 +429,10 @@ class Repair {
   }
 
   [[noreturn]] void throw_flat(const Defect& flat) const {
-    char text[160];
+    char text[200];
     std::snprintf(text, sizeof text,
-                  "The surface encloses no volume: it is a sheet without thickness, %.4g mm across",
+                  "The surface encloses no volume: it is a sheet without thickness, or encloses as "
+                  "much inside out as outward; it is %.4g mm across",
                   diagonal_);
     throw Error(ErrorKind::input, Stage::mesh, "mesh.no_volume", text,
                 "Give it a thickness in your CAD or mesh program (solidify, extrude, shell)",

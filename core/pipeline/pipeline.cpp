@@ -208,6 +208,18 @@ Print Pipeline::print_planar(Context& ctx) const {
   return print;
 }
 
+namespace {
+
+// What is wrong with the model's surface is said by stages that do not know its file.
+Error naming_model(const Error& error, const std::string& name) {
+  const std::string said = error.what();
+  const bool about_model = error.kind == ErrorKind::input && error.stage <= Stage::tetrahedralize;
+  if (!about_model || name.empty() || said.find(name) != std::string::npos) return error;
+  return {error.kind, error.stage, error.code, name + ": " + said, error.hint, error.where};
+}
+
+}  // namespace
+
 Pipeline::Pipeline() {
   for (const Step& step : steps()) stages_.push_back({step.stage, StageState::fresh, 0, 0, {}});
 }
@@ -275,6 +287,9 @@ void Pipeline::run_step(std::size_t position, Context& ctx) {
   } catch (const Cancelled&) {
     record.state = before == StageState::done ? StageState::stale : before;
     throw;
+  } catch (const Error& error) {
+    record.state = StageState::failed;
+    throw naming_model(error, model_name_);
   } catch (...) {
     record.state = StageState::failed;
     throw;

@@ -13,7 +13,7 @@ const root = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 const program = process.env.S3SLICE ?? join(root, "build", "native", "s3slice");
 const MODELS = new Set([".stl", ".obj", ".off", ".ply", ".3mf", ".msh", ".tet", ".vtu"]);
 
-const options = { until: "toolpaths", tets: 60000, limit: 300, jobs: 1, size: 0 };
+const options = { until: "", tets: 60000, limit: 300, jobs: 1, size: 0 };
 const places = [];
 for (let i = 2; i < process.argv.length; ++i) {
   const key = process.argv[i].replace(/^--/, "");
