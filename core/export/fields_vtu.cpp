@@ -99,6 +99,11 @@ void append_stress(std::string& xml, const TetMesh& rest, const StressField& str
   append_array(xml, "tau_max", 3, rows_in_order<double>(stress.principal, order));
   append_array(xml, "sigma_max", 1, rows_in_order<double>(stress.principal_value, order));
   append_array(xml, "critical", 1, rows_in_order<std::uint8_t>(critical, order));
+  if (stress.stress.rows() == 0) return;
+  Tensors vtk_order(stress.stress.rows(), 6);
+  constexpr int kColumns[6] = {0, 1, 2, 5, 3, 4};
+  for (int c = 0; c < 6; ++c) vtk_order.col(c) = stress.stress.col(kColumns[c]);
+  append_array(xml, "stress", 6, rows_in_order<double>(vtk_order, order));
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ struct FileOrder {
 };
 
 /// Point data G (mm), deformed (3, mm); cell data lpd (3), quaternion (4: x y z w) and, with a
-/// stress field, tau_max (3), sigma_max (MPa), critical (0/1).
+/// stress field, tau_max (3), sigma_max (MPa), critical (0/1) and, where the field has tensors,
+/// stress (6, MPa: xx yy zz xy yz xz, the order of VTK).
 ///
 /// Unstructured grid, little endian, arrays inline as base64 with UInt64 headers, all numbers in
 /// double precision.

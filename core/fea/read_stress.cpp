@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
-
-#include <Eigen/Eigenvalues>
 
 #include "base/error.h"
 #include "mesh/read_vtu.h"
@@ -111,6 +108,13 @@ Table parse_table(std::string_view text, std::string_view file_name, Index tet_c
   return table;
 }
 
+/// τ_max and its value from the tensor that is there.
+void set_tensor_stress(StressField& field, Eigen::Index t) {
+  const PrincipalStresses p = principal_stresses(field.stress.row(t).transpose());
+  field.principal_value[t] = p.value[2];
+  field.principal.row(t) = p.direction.col(2).transpose();
+}
+
 StressField from_tensors(const Table& table, std::string_view file_name) {
   const auto count = static_cast<Eigen::Index>(table.rows.size());
   StressField field;
@@ -129,9 +133,7 @@ StressField from_tensors(const Table& table, std::string_view file_name) {
     seen[static_cast<std::size_t>(t)] = 1;
     // The file has 11 22 33 12 13 23, the field xx yy zz yz zx xy.
     field.stress.row(t) << row[2], row[3], row[4], row[7], row[6], row[5];
-    const PrincipalStress largest = largest_principal_stress(field.stress.row(t).transpose());
-    field.principal_value[t] = largest.value;
-    field.principal.row(t) = largest.direction.transpose();
+    set_tensor_stress(field, t);
   }
   return field;
 }
@@ -199,9 +201,7 @@ StressField from_vtu_tensors(const VtuArray& array, Eigen::Index count) {
     else
       field.stress.row(t) << s[0], s[4], s[8], 0.5 * (s[5] + s[7]), 0.5 * (s[2] + s[6]),
           0.5 * (s[1] + s[3]);
-    const PrincipalStress largest = largest_principal_stress(field.stress.row(t).transpose());
-    field.principal_value[t] = largest.value;
-    field.principal.row(t) = largest.direction.transpose();
+    set_tensor_stress(field, t);
   }
   return field;
 }
@@ -251,47 +251,6 @@ StressField read_stress(std::span<const std::byte> bytes, std::string_view file_
                                                      : from_text(bytes, file_name, tet_count);
   field.critical_tets = critical_tets(field.principal_value, critical_ratio);
   return field;
-}
-
-std::vector<Index> critical_tets(const Values& principal_value, double ratio) {
-  std::vector<Index> tets;
-  for (Eigen::Index t = 0; t < principal_value.size(); ++t)
-    if (principal_value[t] > 0) tets.push_back(static_cast<Index>(t));
-  const auto wanted = static_cast<std::size_t>(
-      std::floor(std::clamp(ratio, 0.0, 1.0) * static_cast<double>(principal_value.size()) + 1e-9));
-  if (wanted < tets.size()) {
-    const auto border = tets.begin() + static_cast<std::ptrdiff_t>(wanted);
-    std::nth_element(tets.begin(), border, tets.end(), [&](Index a, Index b) {
-      return principal_value[a] != principal_value[b] ? principal_value[a] > principal_value[b]
-                                                      : a < b;
-    });
-    tets.erase(border, tets.end());
-    std::sort(tets.begin(), tets.end());
-  }
-  return tets;
-}
-
-void rotate_stress(StressField& field, const Mat3& rotation) {
-  field.principal = (field.principal * rotation.transpose()).eval();
-  for (Eigen::Index t = 0; t < field.stress.rows(); ++t) {
-    const auto s = field.stress.row(t);
-    Mat3 tensor;
-    tensor << s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2];
-    const Mat3 turned = rotation * tensor * rotation.transpose();
-    field.stress.row(t) << turned(0, 0), turned(1, 1), turned(2, 2), turned(1, 2), turned(0, 2),
-        turned(0, 1);
-  }
-}
-
-PrincipalStress largest_principal_stress(const Eigen::Matrix<double, 6, 1>& s) {
-  Mat3 tensor;
-  tensor << s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2];
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(tensor);
-  PrincipalStress result{eigen.eigenvalues()[2], eigen.eigenvectors().col(2)};
-  Eigen::Index largest = 0;
-  result.direction.cwiseAbs().maxCoeff(&largest);
-  if (result.direction[largest] < 0) result.direction = -result.direction;
-  return result;
 }
 
 }  // namespace s3

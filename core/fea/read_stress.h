@@ -1,4 +1,4 @@
-// Stress from a file, and the critical region S made of it (Sec. 2.1.2).
+// Stress from a file (Sec. 2.1.2).
 #pragma once
 #include <cstddef>
 #include <span>
@@ -15,6 +15,7 @@ struct StrengthParams {
   std::string stress_file;      // empty for none
   std::string load_case;        // empty for none
   double critical_ratio = 0.3;  // share of the tets in S
+  int smoothing = 0;            // passes of smooth_stress()
 };
 
 template <class Visitor>
@@ -31,8 +32,8 @@ void describe(Visitor& v, StrengthParams& p) {
   v(p.load_case, ParamInfo{.key = "strength.load_case",
                            .label = "Load case",
                            .unit = "",
-                           .doc = "JSON file that says what is fixed and what is loaded, for the "
-                                  "built-in stress analysis.",
+                           .doc = "JSON file that says what is fixed and what is loaded, in the "
+                                  "frame of the part on its plate, for the built-in analysis.",
                            .stage = Stage::fea});
   v(p.critical_ratio,
     ParamInfo{.key = "strength.critical_ratio",
@@ -42,6 +43,16 @@ void describe(Visitor& v, StrengthParams& p) {
               .min = 0,
               .max = 1,
               .stage = Stage::fea});
+  v(p.smoothing,
+    ParamInfo{.key = "strength.smoothing",
+              .label = "Smoothing of the stress",
+              .unit = "",
+              .doc = "How often the stress of a tet is replaced by the mean of its vertices' tets; "
+                     "0 takes the stress as it is computed.",
+              .min = 0,
+              .max = 20,
+              .stage = Stage::fea,
+              .advanced = true});
 }
 
 /// Reads stress from CSV text or a VTU file. Columns may be separated by commas, semicolons or
@@ -57,20 +68,5 @@ void describe(Visitor& v, StrengthParams& p) {
 ///         damaged VTU file
 StressField read_stress(std::span<const std::byte> bytes, std::string_view file_name,
                         Index tet_count, double critical_ratio);
-
-/// S: the tets of largest principal stress, at most `ratio` of all tets by count, and only where it
-/// is tension (positive). Ties go to the lower index. Ascending.
-std::vector<Index> critical_tets(const Values& principal_value, double ratio);
-
-/// Turns directions and tensors with the mesh: x' = R x.
-void rotate_stress(StressField& field, const Mat3& rotation);
-
-/// Largest principal stress and its direction (unit, its largest component positive) of xx yy zz yz
-/// zx xy.
-struct PrincipalStress {
-  double value = 0;
-  Vec3 direction = Vec3::UnitX();
-};
-PrincipalStress largest_principal_stress(const Eigen::Matrix<double, 6, 1>& stress);
 
 }  // namespace s3

@@ -10,6 +10,12 @@ struct ThicknessFigures {
   double min = 0, p1 = 0, p50 = 0, p99 = 0, max = 0;
 };
 
+/// The largest principal strain of the printed part under its load cases, weighted by volume
+/// (metrics/strain.h).
+struct StrainFigures {
+  double max = 0, p999 = 0, mean = 0;
+};
+
 /// What was not computed is empty, never 0. Areas leave out the faces on the plate (plate_faces()
 /// of mesh/tet_mesh.h).
 struct Metrics {
@@ -35,7 +41,7 @@ struct Metrics {
   // The toolpaths (print_metrics.h).
   std::optional<double> path_length_mm, coverage_percent, overlap_percent;
   std::optional<double> surface_error_avg_mm, surface_error_max_mm;  // Sec. 5.2.1
-  std::optional<double> strain_max, strain_mean;                     // Sec. 5.2.3
+  std::optional<StrainFigures> strain;  // Sec. 5.2.3; empty without a load case
   std::optional<double> support_volume_mm3, material_g, print_time_s;
 };
 

@@ -37,7 +37,9 @@ Json to_json(const Metrics& m) {
   json["overlap_percent"] = or_null(m.overlap_percent);
   json["surface_error_mm"] = {{"avg", or_null(m.surface_error_avg_mm)},
                               {"max", or_null(m.surface_error_max_mm)}};
-  json["strain"] = {{"max", or_null(m.strain_max)}, {"mean", or_null(m.strain_mean)}};
+  json["strain"] = {{"max", nullptr}, {"p999", nullptr}, {"mean", nullptr}};
+  if (const auto& s = m.strain)
+    json["strain"] = {{"max", s->max}, {"p999", s->p999}, {"mean", s->mean}};
   json["support_volume_mm3"] = or_null(m.support_volume_mm3);
   json["material_g"] = or_null(m.material_g);
   json["print_time_s"] = or_null(m.print_time_s);

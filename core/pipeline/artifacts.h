@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "export/fields_vtu.h"
+#include "fea/load_case.h"
 #include "fea/stress.h"
 #include "layers/layer.h"
 #include "mesh/orientation.h"
@@ -63,7 +64,8 @@ struct Artifacts {
   TriMesh surface;
   TetMesh rest;                            // mesh for volume files, tetrahedralize for surfaces
   FileOrder file_order;                    // rows of a volume file in `rest`; empty for surfaces
-  std::optional<StressField> stress;       // fea
+  std::optional<LoadCases> load_cases;     // fea: of strength.load_case
+  std::optional<StressField> stress;       // fea: in the rest frame
   ObjectiveField objectives;               // objectives
   DeformResult deformation;                // outer_loop
   Print curved;                            // layers, toolpaths, waypoints

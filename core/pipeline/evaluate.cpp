@@ -1,7 +1,9 @@
 #include "pipeline/evaluate.h"
 
+#include "base/error.h"
 #include "base/units.h"
 #include "metrics/print_metrics.h"
+#include "metrics/strain.h"
 #include "metrics/support_volume.h"
 #include "metrics/thickness.h"
 #include "outer_loop/residual.h"
@@ -9,6 +11,20 @@
 #include "scalar_field/islands.h"
 
 namespace s3 {
+namespace {
+
+/// A verification that cannot be finished costs its figures, not the run.
+std::optional<StrainFigures> strain(const Artifacts& artifacts, const Waypoints& waypoints,
+                                    Context& ctx) {
+  try {
+    return strain_figures(artifacts.rest, waypoints, *artifacts.load_cases, ctx);
+  } catch (const Error& error) {
+    ctx.warn("metrics.no_strain", std::string("No strain of the print: ") + error.what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace
 
 Evaluation evaluate_field(const Artifacts& a, const ScalarField& field, const Points& deformed,
                           const Params& params, const MachineProfile& machine, Context& ctx) {
@@ -36,6 +52,8 @@ void evaluate_print(const Artifacts& artifacts, const Print& print, const Params
   toolpath_metrics(print.toolpaths, m);
   waypoint_metrics(print.waypoints, machine, m);
   surface_error(artifacts.surface, print.waypoints, m, ctx);
+  if (artifacts.load_cases && m.path_length_mm.value_or(0) > 0)
+    m.strain = strain(artifacts, print.waypoints, ctx);
 }
 
 }  // namespace s3

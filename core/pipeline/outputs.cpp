@@ -5,6 +5,7 @@
 
 #include "export/fields_vtu.h"
 #include "export/layers_ply.h"
+#include "export/stress_csv.h"
 #include "export/waypoint_csv.h"
 
 namespace s3 {
@@ -43,8 +44,22 @@ void add_row(std::string& table, const char* name, const std::string& curved,
 
 }  // namespace
 
+namespace {
+
+/// Rows and axes as the model file has them, so that the stress can be imported with it; for a
+/// surface, which has no tets, those of fields.vtu.
+std::string stress_in_file_frame(const Artifacts& a) {
+  if (!a.model.is_volume) return write_stress_csv(*a.stress, {});
+  StressField stress = *a.stress;
+  rotate_stress(stress, a.placement.rotation().transpose());
+  return write_stress_csv(stress, a.file_order.tets);
+}
+
+}  // namespace
+
 void write_stage_files(const Pipeline& pipeline, Stage stage, const FileSink& sink) {
   const Artifacts& a = pipeline.artifacts();
+  if (stage == Stage::fea && a.load_cases && a.stress) sink("stress.csv", stress_in_file_frame(a));
   if (stage == Stage::outer_loop)
     sink("fields.vtu",
          write_fields_vtu(a.rest, a.deformation, a.stress ? &*a.stress : nullptr, a.file_order));
@@ -79,6 +94,12 @@ std::string summary_table(const Pipeline& pipeline) {
   row("layer thickness, mm", thickness);
   row("coverage, % of the layers", [](const Metrics& m) { return number(m.coverage_percent, 2); });
   row("surface error, mean mm", [](const Metrics& m) { return number(m.surface_error_avg_mm, 3); });
+  row("strain, 99.9 % of the volume below, %", [](const Metrics& m) {
+    return number(m.strain ? std::optional<double>(100 * m.strain->p999) : std::nullopt, 4);
+  });
+  row("strain, mean %", [](const Metrics& m) {
+    return number(m.strain ? std::optional<double>(100 * m.strain->mean) : std::nullopt, 4);
+  });
   row("support volume, mm3", [](const Metrics& m) { return number(m.support_volume_mm3, 0); });
   row("material, g", [](const Metrics& m) { return number(m.material_g, 1); });
   row("print time", print_time);

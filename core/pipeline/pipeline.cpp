@@ -61,7 +61,7 @@ constexpr double kPlanarHeight = 0.8;  // of the largest thickness
 const std::vector<Pipeline::Step>& Pipeline::steps() {
   static const std::vector<Step> kSteps = {
       {Stage::mesh, &Pipeline::read_model},        {Stage::tetrahedralize, &Pipeline::make_tets},
-      {Stage::fea, &Pipeline::import_stress},      {Stage::objectives, &Pipeline::set_objectives},
+      {Stage::fea, &Pipeline::find_stress},        {Stage::objectives, &Pipeline::set_objectives},
       {Stage::outer_loop, &Pipeline::deform_part}, {Stage::layers, &Pipeline::slice},
       {Stage::toolpaths, &Pipeline::make_paths},   {Stage::waypoints, &Pipeline::place_waypoints},
       {Stage::motion, &Pipeline::plan_moves},      {Stage::exporting, &Pipeline::write_programs},
@@ -101,23 +101,45 @@ void Pipeline::make_tets(Context& ctx) {
   warn_about_floating_parts(boundary_surface(artifacts_.rest), ctx);
 }
 
-void Pipeline::import_stress(Context&) {
-  artifacts_.stress.reset();
-  if (!params_.strength.load_case.empty())
-    throw Error(ErrorKind::input, Stage::fea, "fea.no_analysis",
-                "strength.load_case is set, but this version has no stress analysis of its own",
-                "import a stress field with strength.stress_file");
-  if (stress_bytes_.empty()) {
-    if (params_.objectives.strength > 0)
-      throw Error(ErrorKind::input, Stage::fea, "fea.no_stress",
-                  "objectives.strength is above 0, but there is no stress field",
-                  "name a file with strength.stress_file, or set objectives.strength to 0");
+/// Smoothing and the critical ratio change without a new solution.
+void Pipeline::find_stress(Context& ctx) {
+  Artifacts& a = artifacts_;
+  a.stress.reset();
+  a.load_cases.reset();
+  if (!params_.strength.load_case.empty() && load_case_bytes_.empty())
+    throw Error(ErrorKind::input, Stage::fea, "fea.no_load_case",
+                "strength.load_case names " + params_.strength.load_case +
+                    ", which was not given or is empty",
+                "give the file's content, see models/*.load.json for examples");
+  if (!load_case_bytes_.empty() && !stress_bytes_.empty())
+    throw Error(ErrorKind::input, Stage::fea, "fea.two_sources",
+                "strength.load_case and strength.stress_file are both set",
+                "compute the stress from the load case or import it, not both");
+  if (!load_case_bytes_.empty()) {
+    a.load_cases = read_load_cases(load_case_bytes_, load_case_name_);
+    if (!analysed_) analysed_ = analyse_stress(a.rest, *a.load_cases, ctx);
+    a.stress = analysed_;
+  } else if (!stress_bytes_.empty()) {
+    a.stress = imported_stress();
+  } else if (params_.objectives.strength > 0) {
+    throw Error(ErrorKind::input, Stage::fea, "fea.no_stress",
+                "objectives.strength is above 0, but there is no stress field",
+                "name a file with strength.load_case or strength.stress_file, or set "
+                "objectives.strength to 0");
+  } else {
     return;
   }
-  StressField in_file_order = read_stress(stress_bytes_, stress_name_, artifacts_.rest.tet_count(),
-                                          params_.strength.critical_ratio);
-  artifacts_.stress = in_mesh_order(in_file_order, artifacts_.file_order.tets);
-  rotate_stress(*artifacts_.stress, artifacts_.placement.rotation());
+  smooth_stress(a.rest, params_.strength.smoothing, *a.stress, ctx);
+  a.stress->critical_tets =
+      critical_tets(a.stress->principal_value, params_.strength.critical_ratio);
+}
+
+StressField Pipeline::imported_stress() const {
+  const StressField in_file_order = read_stress(
+      stress_bytes_, stress_name_, artifacts_.rest.tet_count(), params_.strength.critical_ratio);
+  StressField stress = in_mesh_order(in_file_order, artifacts_.file_order.tets);
+  rotate_stress(stress, artifacts_.placement.rotation());
+  return stress;
 }
 
 void Pipeline::set_objectives(Context&) {
@@ -236,6 +258,16 @@ void Pipeline::set_stress(std::span<const std::byte> bytes, std::string file_nam
   mark_stale(Stage::fea);
 }
 
+void Pipeline::set_load_case(std::span<const std::byte> bytes, std::string file_name) {
+  if (std::equal(bytes.begin(), bytes.end(), load_case_bytes_.begin(), load_case_bytes_.end()) &&
+      file_name == load_case_name_)
+    return;
+  load_case_bytes_.assign(bytes.begin(), bytes.end());
+  load_case_name_ = std::move(file_name);
+  analysed_.reset();
+  mark_stale(Stage::fea);
+}
+
 void Pipeline::set_params(const Params& params, const MachineProfile& machine) {
   Params resolved = resolve(params, machine);
   const ParamList old_list = list_params(params_), new_list = list_params(resolved);
@@ -248,6 +280,7 @@ void Pipeline::set_params(const Params& params, const MachineProfile& machine) {
 }
 
 void Pipeline::mark_stale(Stage first) {
+  if (first < Stage::fea) analysed_.reset();  // another mesh
   for (StageRecord& record : stages_)
     if (record.stage >= first && record.state != StageState::fresh)
       record.state = StageState::stale;

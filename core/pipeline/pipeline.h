@@ -2,6 +2,7 @@
 // must be done again.
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,6 +40,9 @@ class Pipeline {
   /// The file of strength.stress_file; empty bytes for none. Makes the stress and what follows
   /// stale.
   void set_stress(std::span<const std::byte> bytes, std::string file_name);
+  /// The file of strength.load_case; empty bytes for none. Makes the stress and what follows stale,
+  /// unless it is the file that was there.
+  void set_load_case(std::span<const std::byte> bytes, std::string file_name);
   /// Makes stale what the changed parameters' own stages and the machine reach.
   /// @param machine  the profile that params.machine names
   /// @throws Error "params.…" for values that are out of range; nothing is changed then
@@ -64,7 +68,8 @@ class Pipeline {
  private:
   void read_model(Context& ctx);
   void make_tets(Context& ctx);
-  void import_stress(Context& ctx);
+  void find_stress(Context& ctx);
+  StressField imported_stress() const;
   void set_objectives(Context& ctx);
   void deform_part(Context& ctx);
   void slice(Context& ctx);
@@ -84,11 +89,12 @@ class Pipeline {
   void mark_stale(Stage first);
   void run_step(std::size_t position, Context& ctx);
 
-  std::vector<std::byte> model_bytes_, stress_bytes_;
-  std::string model_name_, stress_name_;
+  std::vector<std::byte> model_bytes_, stress_bytes_, load_case_bytes_;
+  std::string model_name_, stress_name_, load_case_name_;
   Params params_;
   MachineProfile machine_;
   Artifacts artifacts_;
+  std::optional<StressField> analysed_;  // of the load case, before smoothing, while it holds
   std::vector<StageRecord> stages_;
   double planar_seconds_ = 0;
 };

@@ -16,6 +16,7 @@
 #include "metrics/metrics_json.h"
 #include "metrics/print_metrics.h"
 #include "metrics/printed_coverage.h"
+#include "metrics/strain.h"
 #include "metrics/thickness.h"
 #include "params/param_visitors.h"
 #include "pipeline/evaluate.h"
@@ -102,6 +103,10 @@ void print_figures(const fs::path& folder, const Artifacts& artifacts, const Par
       printed_coverage_percent(layers, waypoints, params.toolpath.width, ctx);
   waypoint_metrics(waypoints, machine, metrics);
   surface_error(artifacts.surface, waypoints, metrics, ctx);
+  if (params.strength.load_case.empty()) return;
+  const auto load_cases =
+      read_load_cases(read_file(params.strength.load_case), params.strength.load_case);
+  metrics.strain = strain_figures(artifacts.rest, waypoints, load_cases, ctx);
 }
 
 }  // namespace

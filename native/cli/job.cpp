@@ -67,14 +67,21 @@ MachineProfile load_machine(const std::string& machine) {
 
 void set_job(Pipeline& pipeline, const Params& params) {
   // Known before any stage has run: better said now than after minutes.
-  if (params.objectives.strength > 0 && params.strength.stress_file.empty())
+  if (params.objectives.strength > 0 && params.strength.stress_file.empty() &&
+      params.strength.load_case.empty())
     throw Error(ErrorKind::input, Stage::fea, "fea.no_stress",
                 "objectives.strength is above 0, but there is no stress field",
-                "name a file with strength.stress_file, or set objectives.strength to 0");
+                "name a file with strength.load_case or strength.stress_file, or set "
+                "objectives.strength to 0");
   pipeline.set_params(params, load_machine(params.machine.machine));
   pipeline.set_model(read_file(params.model), params.model);
   if (!params.strength.stress_file.empty())
     pipeline.set_stress(read_file(params.strength.stress_file), params.strength.stress_file);
+  if (!params.strength.load_case.empty()) {
+    const auto bytes = read_file(params.strength.load_case);
+    read_load_cases(bytes, params.strength.load_case);  // a fault in it is better said now too
+    pipeline.set_load_case(bytes, params.strength.load_case);
+  }
 }
 
 fs::path output_folder(const RunOptions& options) {

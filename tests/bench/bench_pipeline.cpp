@@ -97,6 +97,10 @@ void bench(const std::string& model, int threads, const Options& options) {
     const std::string stress = read_file(params.strength.stress_file);
     pipeline.set_stress(bytes_of(stress), params.strength.stress_file);
   }
+  if (!params.strength.load_case.empty()) {
+    const std::string load_case = read_file(params.strength.load_case);
+    pipeline.set_load_case(bytes_of(load_case), params.strength.load_case);
+  }
   pipeline.set_params(params, bundled_machine(params.machine.machine));
 
   using Clock = std::chrono::steady_clock;

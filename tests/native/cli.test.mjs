@@ -346,6 +346,41 @@ test("the schema lists every parameter that a job file holds", () => {
   check(json("schema", "job.json"), schema, "");
 });
 
+test("a load case becomes stress, layers along it and the strain of the print", () => {
+  write("block.tet", tetText(leaningBlock()));
+  const load = {
+    conditions: [
+      { region: "plate", fixed: true },
+      { region: { half_space: { point: [0, 0, 9.9], normal: [0, 0, 1] } }, force: [30, 0, 0] },
+    ],
+  };
+  write("block.load.json", JSON.stringify(load));
+  const flags = ["--strength.load_case", "block.load.json", "--objectives.strength", "0.5"];
+  runWell("run", "block.tet", "-o", "loaded", "--quiet", ...flags);
+  const report = json("loaded", "report.json");
+  for (const kind of ["curved", "planar"]) {
+    const { max, p999, mean } = report[kind].strain;
+    assert.ok(mean > 0 && p999 >= mean && max >= p999, kind);
+    assert.ok(report[kind].strength_critical_percent >= 0);
+  }
+  const vtu = read("loaded", "fields.vtu").toString();
+  for (const name of ["tau_max", "sigma_max", "critical", "stress"]) assert.match(vtu, new RegExp(`Name="${name}"`));
+  const rows = read("loaded", "stress.csv").toString().trimEnd().split("\n");
+  assert.equal(rows.length, 361);
+  const again = JSON.parse(runWell("evaluate", "loaded").stdout);
+  assert.deepEqual(Object.keys(again.curved.strain), ["max", "p999", "mean"]);
+  assert.ok(Math.abs(again.curved.strain.mean / report.curved.strain.mean - 1) < 0.02);
+
+  runWell("run", "block.tet", "-o", "imported", "--quiet", "--until", "objectives", "--objectives.strength", "0.5",
+    "--strength.stress_file", "loaded/stress.csv");
+  load.conditions[0].fixed = "z";
+  write("loose.json", JSON.stringify(load));
+  assertInputError(run("run", "block.tet", "-o", "y", "--quiet", "--strength.load_case", "loose.json"), "slide along x");
+  write("typo.json", JSON.stringify({ condition: [] }));
+  assertInputError(run("run", "block.tet", "-o", "y", "--strength.load_case", "typo.json"), "typo.json", "condition");
+  assertInputError(run("run", "block.tet", "-o", "y", "--strength.load_case", "none.json"), "none.json");
+});
+
 test("evaluate finds the same figures in the files as the run did", () => {
   write("block.tet", tetText(leaningBlock()));
   runWell("run", "block.tet", "-o", "evaluated", "--quiet");

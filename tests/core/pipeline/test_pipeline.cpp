@@ -200,3 +200,99 @@ TEST_CASE("imported stress follows the file's order of tets and turns with the m
     CHECK((placed - a.rest.centroid(t)).norm() < 1e-9);
   }
 }
+
+namespace {
+
+/// A block of 6×4×4 mm in a file with y up, held below and pulled at one side.
+s3::Pipeline pulled_block(const std::string& load, const s3::Params& params) {
+  const auto mesh = s3::test::make_grid(6, 4, 4, {6, 4, 4});
+  s3::Pipeline pipeline;
+  pipeline.set_params(params, machine());
+  pipeline.set_model(bytes_of(s3::write_tet(mesh.vertices, mesh.tets)), "block.tet");
+  pipeline.set_load_case(bytes_of(load), "block.load.json");
+  return pipeline;
+}
+
+// In the placed frame the file's y is z, and its z is −y.
+const std::string kPulledUp = R"({"conditions": [{"region": "plate", "fixed": true},
+  {"region": {"plane": {"point": [0, 0, 4], "normal": [0, 0, 1]}}, "force": [0, 0, 40]}]})";
+
+}  // namespace
+
+TEST_CASE("a load case gives stress in the placed frame, which a file of it gives back") {
+  s3::Params params;
+  params.input.up = std::string("y");
+  params.objectives.strength = 0.5;
+  s3::Context ctx;
+  auto pipeline = pulled_block(kPulledUp, params);
+  pipeline.run_to(Stage::fea, ctx);
+  const s3::StressField computed = *pipeline.artifacts().stress;
+  const s3::Values volume = s3::tet_volumes(pipeline.artifacts().rest);
+  // 40 N over 6×4 mm on average, along z.
+  CHECK(volume.dot(computed.stress.col(2)) / volume.sum() ==
+        doctest::Approx(40.0 / 24).epsilon(1e-6));
+  CHECK(computed.critical_tets.size() == static_cast<std::size_t>(0.3 * 576));
+
+  std::string csv;
+  s3::write_stage_files(pipeline, Stage::fea,
+                        [&](const std::string& name, const std::string& text) {
+                          CHECK(name == "stress.csv");
+                          csv = text;
+                        });
+  pipeline.set_load_case({}, "");
+  pipeline.set_stress(bytes_of(csv), "stress.csv");
+  pipeline.run_to(Stage::fea, ctx);
+  const s3::StressField& imported = *pipeline.artifacts().stress;
+  CHECK((imported.stress - computed.stress).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK((imported.principal_value - computed.principal_value).cwiseAbs().maxCoeff() < 1e-12);
+  CHECK(imported.critical_tets == computed.critical_tets);
+}
+
+TEST_CASE("the analysis runs again for its own input only") {
+  s3::Params params;
+  s3::Context ctx;
+  auto pipeline = pulled_block(kPulledUp, params);
+  pipeline.run_to(Stage::fea, ctx);
+  pipeline.set_load_case(bytes_of(kPulledUp), "block.load.json");  // the same again
+  CHECK(states(pipeline)[Stage::fea] == StageState::done);
+  params.objectives.alpha_deg = 40;
+  params.layers.nozzle_diameter = 0.8;
+  pipeline.set_params(params, machine());
+  CHECK(states(pipeline)[Stage::fea] == StageState::done);
+  params.strength.critical_ratio = 0.1;
+  params.strength.smoothing = 1;
+  pipeline.set_params(params, machine());
+  CHECK(states(pipeline)[Stage::fea] == StageState::stale);
+  const double before = pipeline.artifacts().stress->principal_value.maxCoeff();
+  pipeline.run_to(Stage::fea, ctx);
+  CHECK(pipeline.artifacts().stress->critical_tets.size() == 57);
+  CHECK(pipeline.artifacts().stress->principal_value.maxCoeff() < before);
+  pipeline.set_load_case(bytes_of("{}"), "empty.json");
+  CHECK(states(pipeline)[Stage::fea] == StageState::stale);
+  CHECK_THROWS_AS(pipeline.run_to(Stage::fea, ctx), s3::Error);
+  pipeline.set_load_case(bytes_of(kPulledUp), "block.load.json");
+  pipeline.set_stress(bytes_of("1 1 0 0 1\n"), "stress.csv");
+  CHECK_THROWS_AS(pipeline.run_to(Stage::fea, ctx), s3::Error);  // two sources
+}
+
+TEST_CASE("with a load case the report compares the strain of curved and planar beads") {
+  s3::Params params;
+  params.objectives.strength = 1;
+  s3::Context ctx;
+  // Pulled along x; beads follow the block's outline, so they lie along the pull and across it.
+  auto pipeline = pulled_block(R"({"conditions": [
+      {"region": "plate", "fixed": "z"},
+      {"region": {"plane": {"point": [0, 0, 0], "normal": [-1, 0, 0]}}, "fixed": "xy"},
+      {"region": {"plane": {"point": [6, 0, 0], "normal": [1, 0, 0]}}, "force": [30, 0, 0]}]})",
+                               params);
+  pipeline.run_to(Stage::metrics, ctx);
+  for (const auto* metrics :
+       {&pipeline.artifacts().curved_metrics, &pipeline.artifacts().planar_metrics}) {
+    REQUIRE(metrics->strain.has_value());
+    const double stress = 30.0 / 16;  // MPa
+    CHECK(metrics->strain->mean > stress / 3500);
+    CHECK(metrics->strain->mean < stress / 1200);
+    CHECK(metrics->strain->p999 >= metrics->strain->mean);
+    CHECK(metrics->strain->max >= metrics->strain->p999);
+  }
+}
