@@ -87,8 +87,9 @@ void warn_about_rebuild(const Filling& filling, Context& ctx) {
   const bool worst_back = back.max > to.max;
   char text[240];
   std::snprintf(text, sizeof text,
-                "The solid was rebuilt from the triangles: 95 %% of its surface is within %.3g mm "
-                "of theirs (%.2g %% of the diagonal), the farthest point %.3g mm away",
+                "The solid was %s the triangles: 95 %% of its surface is within %.3g mm of theirs "
+                "(%.2g %% of the diagonal), the farthest point %.3g mm away",
+                filling.backend == "tetgen" ? "simplified from" : "rebuilt from",
                 filling.distance.p95(), 100 * filling.distance.p95() / filling.diagonal,
                 filling.distance.max());
   ctx.warn("mesh.rebuilt", text, {worst_back ? back.place : to.place});
@@ -101,7 +102,7 @@ void fill_surface(const TetrahedralizeParams& params, Artifacts& artifacts, Cont
   artifacts.rest = std::move(made.mesh);
   artifacts.file_order = {};
   Filling& filling = artifacts.filling;
-  filling = {made.backend, made.fallback, made.backend == "stuffing", {}, 0};
+  filling = {made.backend, made.fallback, made.approximated, {}, 0};
   filling.diagonal = bounding_box(artifacts.given.vertices).diagonal();
   artifacts.surface = artifacts.given;
   if (!filling.rebuilt) return;

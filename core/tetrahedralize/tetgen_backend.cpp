@@ -31,9 +31,8 @@ constexpr const char* kShapeSwitches = "q1.4/10o/150O5/7";
 constexpr double kCountTolerance = 0.15;
 constexpr int kMaxRuns = 4;
 // Measured on smooth shapes: a volume limit a gives about 1.65 V/a tets, and the layer of tets
-// along a kept surface adds 2.4 for each triangle.
+// along a kept surface adds kTetsPerTriangle for each of its triangles.
 constexpr double kTetsPerVolume = 1.65;
-constexpr double kTetsPerTriangle = 2.4;
 // Triangles of a kept surface may be this much larger than the faces of the tets behind them.
 constexpr double kCoarseTriangle = 4.0;
 

@@ -6,6 +6,9 @@
 
 namespace s3 {
 
+/// A mesh that keeps all triangles of its surface has at least about this many tets for each.
+inline constexpr double kTetsPerTriangle = 2.4;
+
 /// False in a build without TetGen.
 bool has_tetgen();
 

@@ -29,7 +29,7 @@ void describe(Visitor& v, TetrahedralizeParams& p) {
   v(p.backend, ParamInfo{.key = "mesh.backend",
                          .label = "Mesher",
                          .unit = "",
-                         .doc = "tetgen: keeps the surface exactly, which must be valid; stuffing: "
+                         .doc = "tetgen: keeps the surface, which must be valid; stuffing: "
                                 "takes any triangles and approximates them; auto: tetgen where it "
                                 "works, else stuffing.",
                          .choices = {"auto", "tetgen", "stuffing"},
@@ -37,22 +37,25 @@ void describe(Visitor& v, TetrahedralizeParams& p) {
 }
 
 struct Tetrahedralization {
-  TetMesh mesh;          // vertices and tets along a Morton curve, with topology
-  std::string backend;   // "tetgen" or "stuffing": what made it
-  std::string fallback;  // a sentence: why "auto" did not end with TetGen; empty where it did
+  TetMesh mesh;               // vertices and tets along a Morton curve, with topology
+  std::string backend;        // "tetgen" or "stuffing": what made it
+  std::string fallback;       // a sentence: why "auto" did not end with TetGen; empty where it did
+  bool approximated = false;  // the boundary does not keep the surface exactly
 };
 
 /// Fills a surface with tets of good shape.
 ///
 /// Coarse triangles are split first, so that the size of tets follows the target and not the input.
-/// TetGen keeps the form of the surface. Isosurface stuffing approximates it: its boundary is a
-/// closed manifold without self-intersections around the points with winding number over 1/2
-/// (mesh/winding_number.h); how far it is from the surface, measure with mesh/surface_distance.h.
-/// Where "auto" falls back on stuffing there is a warning "tetrahedralize.stuffed" with the reason.
-/// Shells that are turned inside out bound cavities, which stay empty.
-/// The number of tets comes within about 15 % of the target where the surface allows; a surface
-/// whose own triangles force more is warned about ("tetrahedralize.more_tets"). TetGen gives
-/// equal output for equal input on every platform, stuffing on one platform only.
+/// TetGen keeps the form of the surface where that gives usable tets. Where it does not, because
+/// triangles are too narrow or too many for tets of this size, the surface is simplified first,
+/// within 5 % of a tet's edge or less, with a warning "tetrahedralize.simplified". Isosurface
+/// stuffing approximates it: its boundary is a closed manifold without self-intersections around
+/// the points with winding number over 1/2 (mesh/winding_number.h); how far it is from the surface,
+/// measure with mesh/surface_distance.h. Where "auto" falls back on stuffing there is a warning
+/// "tetrahedralize.stuffed" with the reason. Shells that are turned inside out bound cavities,
+/// which stay empty. The number of tets comes within about 15 % of the target where the surface
+/// allows; a surface whose details force more is warned about ("tetrahedralize.more_tets"). TetGen
+/// gives equal output for equal input on every platform, stuffing on one platform only.
 /// @param surface  mm, finite, indices in range. For TetGen the border of a solid (mesh/validate.h)
 /// @param defect   why the surface is no valid border of a solid, as a sentence; empty for a valid
 ///                 one. With a defect "auto" does not try TetGen, which may not survive it.

@@ -70,7 +70,9 @@ TEST_CASE("a finely meshed surface keeps its triangles") {
   CHECK(is_closed(mesh));
   // What the kept triangles force: two of them that nearly share a plane can be faces of one flat
   // tet.
-  CHECK(tet_quality(mesh).tets_below_10_deg < 0.005 * mesh.tet_count());
+  const TetQuality quality = tet_quality(mesh);
+  CHECK(quality.tets_below_10_deg < 0.005 * mesh.tet_count());
+  CHECK(degrees(quality.min_dihedral) > 1);
 }
 
 TEST_CASE("the hole of a torus stays open") {
@@ -164,13 +166,26 @@ TEST_CASE("a surface without volume is refused") {
   CHECK_THROWS_AS(tetrahedralize(TriMesh{Points(0, 3), Triangles(0, 3)}, {}, ctx), Error);
 }
 
-TEST_CASE(
-    "a surface with more triangles than the target allows is meshed with a warning that has the "
-    "numbers") {
+TEST_CASE("a surface with more triangles than the target allows is simplified, with a warning") {
   Context ctx;
-  const TetMesh mesh = tetrahedralize(sphere(10, 24), {.target_tets = 3000}, ctx).mesh;
-  CHECK(mesh.tet_count() > 3450);
-  REQUIRE(ctx.warnings.size() == 1);
+  const TriMesh surface = sphere(10, 24);
+  const Tetrahedralization made = tetrahedralize(surface, {.target_tets = 6000}, ctx);
+  check_count(made.mesh, 6000);
+  CHECK(made.approximated);
+  CHECK(total_volume(made.mesh) == doctest::Approx(enclosed_volume(surface)).epsilon(0.01));
+  REQUIRE(!ctx.warnings.empty());
+  CHECK(ctx.warnings.back().code == "tetrahedralize.simplified");
+  CHECK(ctx.warnings.back().message.find(std::to_string(surface.triangles.rows())) !=
+        std::string::npos);
+}
+
+TEST_CASE("a surface that bends too much for the target is meshed with a warning with the count") {
+  Context ctx;
+  const TriMesh surface = sphere(10, 24);
+  const TetMesh mesh = tetrahedralize(surface, {.target_tets = 300}, ctx).mesh;
+  CHECK(mesh.tet_count() > 345);
+  CHECK(total_volume(mesh) == doctest::Approx(enclosed_volume(surface)).epsilon(0.01));
+  REQUIRE(ctx.warnings.size() == 2);
   CHECK(ctx.warnings[0].code == "tetrahedralize.more_tets");
   CHECK(ctx.warnings[0].message.find(std::to_string(mesh.tet_count())) != std::string::npos);
 }
