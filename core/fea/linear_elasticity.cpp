@@ -244,6 +244,7 @@ void solve_group(const TetMesh& mesh, const ElasticBody& body, const Stars& star
                  const ElasticSolverOptions& options, std::vector<Points>& displacements,
                  Context& ctx) {
   std::vector<const Loading*> members;
+  members.reserve(group.size());
   for (const std::size_t l : group) members.push_back(&loadings[l]);
   const Assembly assembly(mesh, body, stars, members, ctx);
   const Unknowns& unknowns = assembly.unknowns();

@@ -381,6 +381,16 @@ test("a load case becomes stress, layers along it and the strain of the print", 
   assertInputError(run("run", "block.tet", "-o", "y", "--strength.load_case", "none.json"), "none.json");
 });
 
+test("the bundled load cases hold and load their models", () => {
+  for (const name of ["bridge", "bracket"]) {
+    const job = path.join(root, "models", `${name}.job.json`);
+    runWell("run", "--config", job, "-o", name, "--quiet", "--until", "fea", "--mesh.target_tets", "20000");
+    const largest = read(name, "stress.csv").toString().trimEnd().split("\n").slice(1).map((row) => Number(row.split(",")[1]));
+    const peak = largest.reduce((a, b) => Math.max(a, b), 0);
+    assert.ok(peak > 0.5 && peak < 50, `${name}: ${peak} MPa`); // something to do for SR, and nothing breaks
+  }
+});
+
 test("evaluate finds the same figures in the files as the run did", () => {
   write("block.tet", tetText(leaningBlock()));
   runWell("run", "block.tet", "-o", "evaluated", "--quiet");

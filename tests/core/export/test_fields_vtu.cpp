@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fea/read_stress.h"
 #include "grid_mesh.h"
 #include "mesh/read_vtu.h"
 #include "mesh/reorder.h"
@@ -81,4 +82,18 @@ TEST_CASE("a renumbered mesh is written in the order of its file") {
   CHECK(critical == 2);
   CHECK(file.cell_data.at("critical").values[static_cast<std::size_t>(tet_order[4])] == 1);
   CHECK(file.cell_data.at("tau_max").values[2] == 1);
+}
+
+TEST_CASE("stress tensors in fields.vtu are read back as an imported stress") {
+  const auto mesh = s3::test::make_grid(2, 1, 2, {3, 2, 4});
+  s3::Context ctx;
+  s3::StressField stress = s3::stress_field(s3::Tensors::Random(mesh.tet_count(), 6), ctx);
+  stress.critical_tets = s3::critical_tets(stress.principal_value, 0.3);
+  const std::string text = s3::write_fields_vtu(mesh, bent_result(mesh), &stress, {});
+  const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
+  const s3::StressField back = s3::read_stress(bytes, "fields.vtu", mesh.tet_count(), 0.3);
+  CHECK(back.stress == stress.stress);
+  CHECK(back.principal == stress.principal);
+  CHECK(back.principal_value == stress.principal_value);
+  CHECK(back.critical_tets == stress.critical_tets);
 }
