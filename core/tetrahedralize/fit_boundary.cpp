@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mesh/validate.h"
+#include "tetrahedralize/quality.h"
 
 namespace s3 {
 
@@ -87,22 +88,9 @@ class Fit {
   void put(Index v, const Vec3& p) { mesh_.vertices.row(v) = p; }
   Bond& bond(Index v) { return bond_[static_cast<std::size_t>(v)]; }
 
-  // The smallest sine of a tet's dihedral angles, negative for a tet that is turned over.
-  // sin θ of edge ij = 3/2 V l_ij / (A_k A_l), A the areas of the faces that meet in it.
   double sine(Index t) const {
-    const Vec3 a = mesh_.corner(t, 0), b = mesh_.corner(t, 1), c = mesh_.corner(t, 2),
-               d = mesh_.corner(t, 3);
-    const Vec3 ab = b - a, ac = c - a, ad = d - a, bc = c - b, bd = d - b;
-    const double six_volume = ab.dot(ac.cross(ad));
-    // Squares of twice the areas opposite to a, b, c, d.
-    const double fa = bc.cross(bd).squaredNorm(), fb = ac.cross(ad).squaredNorm(),
-                 fc = ab.cross(ad).squaredNorm(), fd = ab.cross(ac).squaredNorm();
-    const double least2 =
-        std::min({ab.squaredNorm() / (fc * fd), ac.squaredNorm() / (fb * fd),
-                  ad.squaredNorm() / (fb * fc), bc.squaredNorm() / (fa * fd),
-                  bd.squaredNorm() / (fa * fc), (d - c).squaredNorm() / (fa * fb)});
-    if (!(least2 < std::numeric_limits<double>::infinity())) return -1;
-    return six_volume * std::sqrt(least2);
+    return least_sine(mesh_.corner(t, 0), mesh_.corner(t, 1), mesh_.corner(t, 2),
+                      mesh_.corner(t, 3));
   }
 
   // The smallest sine around a vertex; stops early below `enough`.

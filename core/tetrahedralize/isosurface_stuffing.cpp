@@ -15,6 +15,7 @@
 #include "mesh/reorder.h"
 #include "mesh/weld.h"
 #include "tetrahedralize/bcc_lattice.h"
+#include "tetrahedralize/coarsen_interior.h"
 #include "tetrahedralize/feature_curves.h"
 #include "tetrahedralize/fit_boundary.h"
 #include "tetrahedralize/lattice_cuts.h"
@@ -32,6 +33,9 @@ constexpr double kAllowedMiss = 0.15;
 constexpr int kMaxRuns = 8;
 // What a lattice four times as fine does not hit either is nothing.
 constexpr int kMaxEmptyRuns = 2;
+// The lattice is finer than the target asks for by this factor of tets; coarser tets inside make up
+// for it.
+constexpr double kFiner = 2;
 // A volume that is off by more than this is worth a warning.
 constexpr double kVolumeSlack = 0.03;
 
@@ -124,6 +128,20 @@ Filling fill_to_target(const SurfaceSolid& solid, double volume, double target, 
   return best;
 }
 
+// As fine a boundary as the target allows. Where too much of the solid is near its boundary, the
+// lattice is made coarser.
+Filling fill_graded(const SurfaceSolid& solid, double volume, int target, Context& ctx) {
+  constexpr int kMaxTries = 3;
+  double finer = kFiner;
+  for (int i = 1;; ++i) {
+    Filling filling = fill_to_target(solid, volume, finer * target, ctx);
+    if (finer > 1) coarsen_interior(filling.mesh, target, ctx);
+    const double excess = filling.mesh.tet_count() / static_cast<double>(target);
+    if (excess <= 1 + kCountTolerance || finer <= 1) return filling;
+    finer = i == kMaxTries ? 1 : std::max(1.0, finer / excess);
+  }
+}
+
 void warn_about_count(double count, int target, Context& ctx) {
   if (std::abs(count - target) > kAllowedMiss * target)
     ctx.warn(count > target ? "tetrahedralize.more_tets" : "tetrahedralize.fewer_tets",
@@ -181,8 +199,7 @@ TetMesh fill_by_stuffing(const TriMesh& surface, int target_tets, Context& ctx) 
   if (!(extent.minCoeff() > 0)) throw_empty();
   const double enclosed = enclosed_volume(surface), box_volume = extent.prod();
   const bool plausible = enclosed > 1e-4 * box_volume && enclosed <= box_volume;
-  Filling filling =
-      fill_to_target(solid, plausible ? enclosed : 0.25 * box_volume, target_tets, ctx);
+  Filling filling = fill_graded(solid, plausible ? enclosed : 0.25 * box_volume, target_tets, ctx);
   fit_boundary(filling.mesh, solid, feature_curves(surface), filling.lattice.size, ctx);
   ctx.progress(Stage::tetrahedralize, 0.9);
   warn_about_count(filling.mesh.tet_count(), target_tets, ctx);

@@ -6,7 +6,8 @@
 
 namespace s3 {
 
-/// Fills the points of winding number over 1/2 with about `target_tets` tets of one size.
+/// Fills the points of winding number over 1/2 with about `target_tets` tets, of one size along the
+/// surface and larger ones inside.
 ///
 /// The boundary follows the surface within a fraction of a tet's edge, sharp edges included where
 /// the shape of the tets allows; it is a closed manifold without self-intersections. Walls and gaps

@@ -33,6 +33,20 @@ DihedralRange dihedral_range(const TetMesh& mesh, Index t) {
   return range;
 }
 
+double least_sine(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  // sin θ of edge ij = 3/2 V l_ij / (A_k A_l), A the areas of the faces that meet in it.
+  const Vec3 ab = b - a, ac = c - a, ad = d - a, bc = c - b, bd = d - b;
+  const double six_volume = ab.dot(ac.cross(ad));
+  // Squares of twice the areas opposite to a, b, c, d.
+  const double fa = bc.cross(bd).squaredNorm(), fb = ac.cross(ad).squaredNorm(),
+               fc = ab.cross(ad).squaredNorm(), fd = ab.cross(ac).squaredNorm();
+  const double least2 = std::min({ab.squaredNorm() / (fc * fd), ac.squaredNorm() / (fb * fd),
+                                  ad.squaredNorm() / (fb * fc), bc.squaredNorm() / (fa * fd),
+                                  bd.squaredNorm() / (fa * fc), (d - c).squaredNorm() / (fa * fb)});
+  if (!(least2 < std::numeric_limits<double>::infinity())) return -1;
+  return six_volume * std::sqrt(least2);
+}
+
 TetQuality tet_quality(const TetMesh& mesh) {
   TetQuality quality;
   const Index n = mesh.tet_count();

@@ -23,6 +23,9 @@ struct DihedralRange {
 };
 DihedralRange dihedral_range(const TetMesh& mesh, Index t);
 
+/// The smallest sine of a tet's dihedral angles; negative for a tet that is turned over.
+double least_sine(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
 TetQuality tet_quality(const TetMesh& mesh);
 
 }  // namespace s3
