@@ -29,6 +29,10 @@ std::string mm(double value) {
   return text + " mm";
 }
 
+Vec3 size_of(const Box& box) {
+  return box.max - box.min;
+}
+
 void check_range(const LayerParams& params) {
   // Rims that overhang by 45° are √2 thicker than the layer: a ratio below that leaves no valid
   // thickness there.
@@ -86,6 +90,7 @@ class Slicer {
   Slicer(const TetMesh& rest, const ScalarField& field, const LayerParams& params, Context& ctx)
       : ctx_(ctx),
         extractor_(rest, field),
+        size_(size_of(bounding_box(rest.vertices))),
         d_min_(params.d_min()),
         d_max_(params.d_max()),
         bead_area_(params.nozzle_diameter * params.nozzle_diameter) {
@@ -117,6 +122,7 @@ class Slicer {
   void print(const Isosurface& whole, const Measured& distance, double iso, bool partial);
   void drop_slivers();
   void report_unsupported();
+  [[noreturn]] void throw_empty() const;
   void finish();
 
   Context& ctx_;
@@ -124,6 +130,7 @@ class Slicer {
   PrintedMaterial material_;
   LayerStack stack_;
   RemeshTarget target_;
+  Vec3 size_;  // of the part, mm
   double d_min_, d_max_, low_, high_;
   ThicknessRange range_;
   double bead_area_;
@@ -428,12 +435,17 @@ void Slicer::report_unsupported() {
               stack_.dropped_places);
 }
 
+void Slicer::throw_empty() const {
+  throw Error(ErrorKind::input, Stage::layers, "layers.empty",
+              "The part has no layer: it measures " + mm(size_.x()) + " × " + mm(size_.y()) +
+                  " × " + mm(size_.z()) + ", the thinnest layer " + mm(d_min_),
+              "If the file is not in millimetres, give its unit by input.scale (1000 for metres, "
+              "25.4 for inches); otherwise use a finer nozzle");
+}
+
 void Slicer::finish() {
   drop_slivers();
-  if (stack_.layers.empty())
-    throw Error(ErrorKind::slicing, Stage::layers, "layers.empty",
-                "The part has no layer: it is lower than the thinnest layer of " + mm(d_min_) + ".",
-                "Check the unit of the model, or use a finer nozzle.");
+  if (stack_.layers.empty()) throw_empty();
   report_unsupported();
   ctx_.progress(Stage::layers, 1);
 }

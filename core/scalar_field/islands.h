@@ -13,6 +13,7 @@ namespace s3 {
 struct Island {
   Vec3 place = Vec3::Zero();  // centroid of the minimum's vertices, mm
   double volume = 0;          // mm³ printed before it merges with supported material
+  double depth = 0;           // mm of G from its start to where it merges
 };
 
 /// Fills the solid in increasing G, as the printer does, and follows what is connected. A component
