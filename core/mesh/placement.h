@@ -15,6 +15,7 @@ struct InputParams {
   std::string up = "z";          // the file's up axis
   double scale = 1;              // file units to mm
   std::string rotate = "0,0,0";  // Euler degrees "x,y,z", "flat" or "auto"
+  double sheet_thickness = 0;    // mm, given to surfaces that enclose nothing; 0: they are refused
 };
 
 template <class Visitor>
@@ -39,6 +40,14 @@ void describe(Visitor& v, InputParams& p) {
                                "\"flat\" to lay the largest flat face down, or \"auto\" for the "
                                "least overhang and support.",
                         .stage = Stage::mesh});
+  v(p.sheet_thickness, ParamInfo{.key = "input.sheet_thickness",
+                                 .label = "Sheet thickness",
+                                 .unit = "mm",
+                                 .doc = "Thickness given to an open surface that encloses nothing; "
+                                        "0 refuses it.",
+                                 .min = 0,
+                                 .max = 1000,
+                                 .stage = Stage::mesh});
 }
 
 /// From the file's frame (mm after scaling) to the printer's: up axis, scale, rotation, then a

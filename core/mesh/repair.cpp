@@ -425,7 +425,9 @@ class Repair {
                 "The surface is an open sheet and encloses nothing: its hole, " +
                     in_mm(filled.largest) + " across" + near_place(places) +
                     ", is about as large as the surface itself",
-                "Give it a thickness or a bottom in your CAD or mesh program", places);
+                "Give it a bottom in your CAD or mesh program, or a thickness by "
+                "input.sheet_thickness",
+                places);
   }
 
   [[noreturn]] void throw_flat(const Defect& flat) const {
@@ -435,7 +437,7 @@ class Repair {
                   "much inside out as outward; it is %.4g mm across",
                   diagonal_);
     throw Error(ErrorKind::input, Stage::mesh, "mesh.no_volume", text,
-                "Give it a thickness in your CAD or mesh program (solidify, extrude, shell)",
+                "Give it a thickness in your CAD or mesh program, or by input.sheet_thickness",
                 flat.where);
   }
 

@@ -7,7 +7,9 @@
 #include "mesh/parts.h"
 #include "mesh/placement.h"
 #include "mesh/reorder.h"
+#include "mesh/repair.h"
 #include "mesh/repair_parts.h"
+#include "mesh/thicken_sheet.h"
 #include "mesh/up_axis.h"
 #include "mesh/validate.h"
 #include "tetrahedralize/tetrahedralize.h"
@@ -40,6 +42,30 @@ void prepare_volume(ModelFile file, const InputParams& params, Artifacts& artifa
   artifacts.filling = {"file", {}, false, {}, 0};
 }
 
+namespace {
+
+bool is_sheet(const Error& error) {
+  return error.code == "mesh.open_surface" || error.code == "mesh.no_volume";
+}
+
+RepairResult repaired_surface(ModelFile& file, const InputParams& params, Context& ctx) {
+  try {
+    return repair_parts(file.surface, file.part_of_triangle, ctx);
+  } catch (const Error& error) {
+    if (!is_sheet(error) || params.sheet_thickness <= 0) throw;
+  }
+  RepairResult made =
+      repair_surface(thicken_sheet(file.surface, params.sheet_thickness / params.scale), ctx);
+  char text[100];
+  std::snprintf(text, sizeof text, "The surface encloses nothing; it was made %.4g mm thick",
+                params.sheet_thickness);
+  ctx.warn("mesh.thickened", text);
+  made.changes.insert(made.changes.begin(), {"repair.thickened", text, 1, {}});
+  return made;
+}
+
+}  // namespace
+
 void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artifacts,
                      Context& ctx) {
   artifacts.model.triangles = static_cast<Index>(file.surface.triangles.rows());
@@ -48,7 +74,7 @@ void prepare_surface(ModelFile file, const InputParams& params, Artifacts& artif
   if (file.part_names.size() > 1)
     input =
         stand_parts(file.surface, file.part_of_triangle, file.part_names, params, of_parts, ctx);
-  RepairResult repaired = repair_parts(file.surface, file.part_of_triangle, ctx);
+  RepairResult repaired = repaired_surface(file, params, ctx);
   artifacts.model.repairs = std::move(repaired.changes);
   artifacts.model.defect = std::move(repaired.reason);
   TriMesh surface = std::move(repaired.surface);

@@ -98,8 +98,8 @@ const off = ({ vertices, triangles }) =>
 
 /**
  * Every file: { name, bytes, volume } with the volume in mm³ that must come out (within 1 %; absent where only the run
- * counts), or { name, bytes, refused } with what the sentence must say.
- * @returns {Generator<{name: string, bytes: Buffer|string, volume?: number, refused?: RegExp}>}
+ * counts), or { name, bytes, refused } with what the sentence must say. `options` are more arguments of the run.
+ * @returns {Generator<{name: string, bytes: Buffer|string, volume?: number, refused?: RegExp, options?: string[]}>}
  */
 export function* defectiveFiles() {
   const bracket = model("bracket"), mushroom = model("mushroom"), teapot = model("teapot");
@@ -200,6 +200,7 @@ export function* defectiveFiles() {
     return [R * Math.cos(u), R * Math.sin(u), 7 * (Math.sin(u / 2) * Math.sin(w) + Math.cos(u / 2) * Math.sin(2 * w))];
   }));
   yield { ...stl("sheet", { vertices: [[0, 0, 0], [30, 0, 0], [30, 30, 0], [0, 30, 0]], triangles: [[0, 1, 2], [0, 2, 3]] }), refused: /sheet\.stl/ };
+  yield { ...stl("sheet-made-thick", strip(40, 12, false, (u, v) => [20 * Math.cos(u), 20 * Math.sin(u), 15 * v])), options: ["--input.sheet_thickness", "2"] };
   yield stl("curved-sheet", kept(mushroom, (_, i) => centre(mushroom, i)[2] > 0.75 * top[2]));
   yield { ...stl("triangle-soup", { vertices: Array.from({ length: 900 }, () => [r(), r(), r()].map((s) => 40 * s)), triangles: Array.from({ length: 300 }, (_, i) => [3 * i, 3 * i + 1, 3 * i + 2]) }), refused: /triangle-soup\.stl: .*open sheet/ };
 

@@ -30,10 +30,10 @@ function run(args) {
   });
 }
 
-async function check({ name, bytes, volume, refused }) {
+async function check({ name, bytes, volume, refused, options = [] }) {
   writeFileSync(path.join(folder, name), bytes);
   const out = name.replace(".", "-");
-  const { status, signal, stderr } = await run(["run", name, "-o", out, "--until", "tetrahedralize", "--mesh.target_tets", "6000", "--threads", "1", "--quiet"]);
+  const { status, signal, stderr } = await run(["run", name, "-o", out, "--until", "tetrahedralize", "--mesh.target_tets", "6000", "--threads", "1", "--quiet", ...options]);
   assert.equal(signal, null, `${name} ended by ${signal}`);
   if (refused) {
     assert.equal(status, 2, `${name}: ${stderr}`);
