@@ -78,13 +78,7 @@ Json repairs_json(const std::vector<RepairChange>& changes) {
   return json;
 }
 
-// What the file holds, what repair would do about it, and which mesher would take the result.
-Json inspect_surface_file(const ModelFile& file, Context& ctx) {
-  const TriMesh& surface = file.surface;
-  Json json = surface_json(inspect_surface(surface, &ctx));
-  warn_about_units(bounding_box(surface.vertices), ctx);
-  warn_about_up_axis(surface, {}, ctx);
-  const RepairResult repaired = repair_parts(surface, file.part_of_triangle, ctx);
+void add_repair(const RepairResult& repaired, Json& json, Context& ctx) {
   json["repairs"] = repairs_json(repaired.changes);
   json["valid_after_repair"] = repaired.valid;
   if (repaired.valid)
@@ -93,6 +87,19 @@ Json inspect_surface_file(const ModelFile& file, Context& ctx) {
     json["rebuild_reason"] = repaired.reason;
   json["mesher"] = repaired.valid ? "tetgen" : "stuffing";
   json["orientations"] = orientations_json(repaired.surface, ctx);
+}
+
+// What the file holds, what repair would do about it, and which mesher would take the result.
+Json inspect_surface_file(const ModelFile& file, Context& ctx) {
+  const TriMesh& surface = file.surface;
+  Json json = surface_json(inspect_surface(surface, &ctx));
+  warn_about_units(bounding_box(surface.vertices), ctx);
+  warn_about_up_axis(surface, {}, ctx);
+  try {
+    add_repair(repair_parts(surface, file.part_of_triangle, ctx), json, ctx);
+  } catch (const Error& error) {  // what is wrong is the answer here
+    json["refused"] = std::string(error.what()) + "; " + error.hint;
+  }
   return json;
 }
 

@@ -1,7 +1,8 @@
 // Runs every model of the given files and folders and prints one line of a table for each: what is wrong with the file,
 // what was repaired, which mesher took it, and how well that went, or the sentence it was refused with.
-//   node tests/native/any_mesh.mjs [--until STAGE] [--tets N] [--limit SECONDS] [--jobs N] [--size MM] FILE|FOLDER...
+//   node tests/native/any_mesh.mjs [--until STAGE] [--tets N] [--limit SECONDS] [--jobs N] [--size MM] [--sheet MM] FILE|FOLDER...
 // With --size every model is scaled until its longest side has this length, so that models without a unit print.
+// With --sheet surfaces that enclose nothing get this thickness.
 // Ends with 1 when a run crashed, took too long, or failed with anything but one clear sentence.
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, rmSync, statSync } from "node:fs";
@@ -13,7 +14,7 @@ const root = join(dirname(fileURLToPath(import.meta.url)), "..", "..");
 const program = process.env.S3SLICE ?? join(root, "build", "native", "s3slice");
 const MODELS = new Set([".stl", ".obj", ".off", ".ply", ".3mf", ".msh", ".tet", ".vtu"]);
 
-const options = { until: "", tets: 60000, limit: 300, jobs: 1, size: 0 };
+const options = { until: "", tets: 60000, limit: 300, jobs: 1, size: 0, sheet: 0 };
 const places = [];
 for (let i = 2; i < process.argv.length; ++i) {
   const key = process.argv[i].replace(/^--/, "");
@@ -80,6 +81,7 @@ async function measure(model) {
       return { model: basename(model), defects: "", code: inspection.code, good: false, sentence: "inspect failed: " + inspection.stderr.trim(), seconds: inspection.seconds };
     const args = ["run", model, "-o", out, "--mesh.target_tets", String(options.tets), "--threads", "1", "--quiet"];
     if (options.size > 0 && inspected?.size_mm) args.push("--input.scale", String(options.size / Math.max(...inspected.size_mm)));
+    if (options.sheet > 0) args.push("--input.sheet_thickness", String(options.sheet));
     if (options.until) args.push("--until", options.until);
     const result = await run(args);
     const row = { model: basename(model), defects: defectsOf(inspected), code: result.code, good: true };

@@ -330,6 +330,13 @@ test("a profile may ask for the authors' waypoints: a file for each layer piece,
   assertInputError(run("run", "block.tet", "-o", "odd", "--quiet", "--machine", "odd.json"), "poem.txt", "authors-waypoints");
 });
 
+test("inspect reports a sheet and says why it would be refused", () => {
+  writeFileSync(path.join(folder, "sheet.off"), "OFF\n4 2 0\n0 0 0\n30 0 0\n30 30 0\n0 30 0\n3 0 1 2\n3 0 2 3\n");
+  const report = JSON.parse(runWell("inspect", "sheet.off", "--json").stdout);
+  assert.equal(report.open_edges.count, 4);
+  assert.match(report.refused, /open sheet.*input\.sheet_thickness/);
+});
+
 test("the schema lists every parameter that a job file holds", () => {
   const schema = JSON.parse(runWell("schema").stdout);
   write("block.tet", tetText(leaningBlock()));
