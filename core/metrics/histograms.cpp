@@ -52,6 +52,15 @@ HistogramPlot thickness_plot(double d_min, double d_max) {
   return plot;
 }
 
+/// Up to the largest strain of both: the last bars are what the maximum speaks of.
+HistogramPlot strain_plot(const PlotData& curved, const PlotData& planar) {
+  double largest = 0;
+  for (const PlotData* data : {&curved, &planar})
+    for (const WeightedValue& strain : data->strain) largest = std::max(largest, strain.value);
+  return angle_plot("Strain of the print under its loads", "largest principal strain",
+                    "share of the volume (%)", largest > 0 ? largest : 1, 40);
+}
+
 }  // namespace
 
 std::vector<SvgFile> histograms(const PlotData& curved, const PlotData& planar,
@@ -71,6 +80,7 @@ std::vector<SvgFile> histograms(const PlotData& curved, const PlotData& planar,
       planar.angles.surface_quality);
   add("strength.svg", strength_plot(), curved.angles.strength, planar.angles.strength);
   add("thickness.svg", thickness_plot(d_min, d_max), curved.thickness, planar.thickness);
+  add("strain.svg", strain_plot(curved, planar), curved.strain, planar.strain);
   if (!residual_history.empty()) {
     std::vector<double> in_degrees;
     in_degrees.reserve(residual_history.size());

@@ -16,10 +16,11 @@ struct SvgFile {
 struct PlotData {
   LpdAngles angles;
   std::vector<WeightedValue> thickness;  // mm, weighted by layer area
+  std::vector<WeightedValue> strain;     // weighted by volume; empty without a load case
 };
 
-/// support_free.svg, surface_quality.svg, strength.svg (with critical tets), thickness.svg and
-/// residual.svg (Π after each outer iteration); a plot without data is left out.
+/// support_free.svg, surface_quality.svg, strength.svg (with critical tets), thickness.svg,
+/// strain.svg and residual.svg (Π after each outer iteration); a plot without data is left out.
 /// @param residual_history  rad
 /// @param d_min, d_max      mm: the range of the layers' thickness
 std::vector<SvgFile> histograms(const PlotData& curved, const PlotData& planar,

@@ -104,10 +104,12 @@ Values printed_strain(const TetMesh& rest, const std::vector<Mat3>& frames, cons
   return worst;
 }
 
-StrainFigures strain_figures(const TetMesh& rest, const Waypoints& waypoints, const LoadCases& file,
-                             Context& ctx) {
-  const Values strain = printed_strain(rest, bead_frames(rest, waypoints, ctx), file, ctx);
-  const Values volume = tet_volumes(rest);
+Values printed_strain(const TetMesh& rest, const Waypoints& waypoints, const LoadCases& file,
+                      Context& ctx) {
+  return printed_strain(rest, bead_frames(rest, waypoints, ctx), file, ctx);
+}
+
+StrainFigures strain_figures(const Values& strain, const Values& volume) {
   std::vector<Index> order(static_cast<std::size_t>(strain.size()));
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](Index a, Index b) {

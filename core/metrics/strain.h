@@ -22,9 +22,13 @@ std::vector<Mat3> bead_frames(const TetMesh& rest, const Waypoints& waypoints, C
 Values printed_strain(const TetMesh& rest, const std::vector<Mat3>& frames, const LoadCases& file,
                       Context& ctx);
 
+/// The same for the beads of a print.
+Values printed_strain(const TetMesh& rest, const Waypoints& waypoints, const LoadCases& file,
+                      Context& ctx);
+
 /// Maximum, 99.9th percentile and mean of printed_strain(), weighted by volume. Only differences
 /// between prints of one mesh mean something: beads are as strong as solid material here.
-StrainFigures strain_figures(const TetMesh& rest, const Waypoints& waypoints, const LoadCases& file,
-                             Context& ctx);
+/// @param volume  #T
+StrainFigures strain_figures(const Values& strain, const Values& volume);
 
 }  // namespace s3

@@ -14,13 +14,16 @@ namespace s3 {
 namespace {
 
 /// A verification that cannot be finished costs its figures, not the run.
-std::optional<StrainFigures> strain(const Artifacts& artifacts, const Waypoints& waypoints,
-                                    Context& ctx) {
+void measure_strain(const Artifacts& artifacts, const Waypoints& waypoints, Evaluation& evaluation,
+                    Context& ctx) {
   try {
-    return strain_figures(artifacts.rest, waypoints, *artifacts.load_cases, ctx);
+    const Values strain = printed_strain(artifacts.rest, waypoints, *artifacts.load_cases, ctx);
+    const Values volume = tet_volumes(artifacts.rest);
+    evaluation.metrics.strain = strain_figures(strain, volume);
+    for (Eigen::Index t = 0; t < strain.size(); ++t)
+      evaluation.plots.strain.push_back({strain[t], volume[t]});
   } catch (const Error& error) {
     ctx.warn("metrics.no_strain", std::string("No strain of the print: ") + error.what());
-    return std::nullopt;
   }
 }
 
@@ -53,7 +56,7 @@ void evaluate_print(const Artifacts& artifacts, const Print& print, const Params
   waypoint_metrics(print.waypoints, machine, m);
   surface_error(artifacts.surface, print.waypoints, m, ctx);
   if (artifacts.load_cases && m.path_length_mm.value_or(0) > 0)
-    m.strain = strain(artifacts, print.waypoints, ctx);
+    measure_strain(artifacts, print.waypoints, evaluation, ctx);
 }
 
 }  // namespace s3

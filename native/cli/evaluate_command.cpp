@@ -106,7 +106,8 @@ void print_figures(const fs::path& folder, const Artifacts& artifacts, const Par
   if (params.strength.load_case.empty()) return;
   const auto load_cases =
       read_load_cases(read_file(params.strength.load_case), params.strength.load_case);
-  metrics.strain = strain_figures(artifacts.rest, waypoints, load_cases, ctx);
+  metrics.strain = strain_figures(printed_strain(artifacts.rest, waypoints, load_cases, ctx),
+                                  tet_volumes(artifacts.rest));
 }
 
 }  // namespace

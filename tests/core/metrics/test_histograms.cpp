@@ -31,11 +31,15 @@ TEST_CASE("only what there is data for is plotted") {
   s3::PlotData curved, planar;
   curved.angles.support_free = {{90, 1}};
   planar.thickness = {{0.8, 1}};
+  curved.strain = {{0.001, 2}, {0.004, 1}};
+  planar.strain = {{0.002, 3}};
   const auto files = s3::histograms(curved, planar, {0.2, 0.1}, 0.4, 1);
-  REQUIRE(files.size() == 3);
+  REQUIRE(files.size() == 4);
   CHECK(files[0].name == "support_free.svg");
   CHECK(files[0].text.find("planar") == std::string::npos);
   CHECK(files[1].name == "thickness.svg");
-  CHECK(files[2].name == "residual.svg");
-  CHECK(count(files[2].text, "<circle") == 2);
+  CHECK(files[2].name == "strain.svg");
+  CHECK(files[2].text.find("curved") < files[2].text.find("planar"));
+  CHECK(files[3].name == "residual.svg");
+  CHECK(count(files[3].text, "<circle") == 2);
 }

@@ -49,13 +49,26 @@ TEST_CASE("a bar's strain is that of its beads: along them and across") {
   const Vec3 size(8, 3, 2);
   const TetMesh mesh = reorder_along_morton(test::make_grid(8, 3, 2, size));
   Context ctx;
-  const auto along = strain_figures(mesh, straight_beads(size, true), pull_along_x(8), ctx);
-  const auto across = strain_figures(mesh, straight_beads(size, false), pull_along_x(8), ctx);
+  const auto figures_of = [&](bool along_x) {
+    return strain_figures(printed_strain(mesh, straight_beads(size, along_x), pull_along_x(8), ctx),
+                          tet_volumes(mesh));
+  };
+  const auto along = figures_of(true), across = figures_of(false);
   for (const auto& [figures, young] : {std::pair{along, 3500.0}, std::pair{across, 1200.0}}) {
     CHECK(figures.mean == doctest::Approx(2 / young).epsilon(1e-3));
     CHECK(figures.max == doctest::Approx(2 / young).epsilon(1e-3));
     CHECK(figures.p999 == doctest::Approx(2 / young).epsilon(1e-3));
   }
+}
+
+TEST_CASE("mean and percentile of the strain are weighted by volume") {
+  Values strain(4), volume(4);
+  strain << 5, 1, 2, 9;
+  volume << 0.5, 996, 3, 0.5;
+  const StrainFigures figures = strain_figures(strain, volume);
+  CHECK(figures.max == 9);
+  CHECK(figures.p999 == 2);  // 999 of 1000 mm³ are at most 2
+  CHECK(figures.mean == doctest::Approx((2.5 + 996 + 6 + 4.5) / 1000));
 }
 
 TEST_CASE("every tet takes the frame of the nearest bead") {
