@@ -16,6 +16,18 @@ struct StrainFigures {
   double max = 0, p999 = 0, mean = 0;
 };
 
+/// Lines of hybrid toolpaths against the projected τ_max within S, weighted by area, degrees.
+struct DeviationFigures {
+  double p50 = 0, p90 = 0, p99 = 0;
+};
+
+/// Distance between neighbouring strands where lines fill a layer, weighted by area, in bead
+/// widths.
+struct SpacingFigures {
+  double p5 = 0, p50 = 0, p95 = 0;
+  double within_15_percent = 0;  // % of the area between 0.85 and 1.15
+};
+
 /// What was not computed is empty, never 0. Areas leave out the faces on the plate (plate_faces()
 /// of mesh/tet_mesh.h).
 struct Metrics {
@@ -40,6 +52,8 @@ struct Metrics {
 
   // The toolpaths (print_metrics.h).
   std::optional<double> path_length_mm, coverage_percent, overlap_percent;
+  std::optional<DeviationFigures> stress_deviation_deg;
+  std::optional<SpacingFigures> line_spacing;
   std::optional<double> surface_error_avg_mm, surface_error_max_mm;  // Sec. 5.2.1
   std::optional<StrainFigures> strain;  // Sec. 5.2.3; empty without a load case
   std::optional<double> support_volume_mm3, material_g, print_time_s;

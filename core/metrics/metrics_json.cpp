@@ -35,6 +35,15 @@ Json to_json(const Metrics& m) {
   json["path_length_mm"] = or_null(m.path_length_mm);
   json["coverage_percent"] = or_null(m.coverage_percent);
   json["overlap_percent"] = or_null(m.overlap_percent);
+  json["stress_deviation_deg"] = nullptr;
+  if (const auto& d = m.stress_deviation_deg)
+    json["stress_deviation_deg"] = {{"p50", d->p50}, {"p90", d->p90}, {"p99", d->p99}};
+  json["line_spacing"] = nullptr;
+  if (const auto& d = m.line_spacing)
+    json["line_spacing"] = {{"p5", d->p5},
+                            {"p50", d->p50},
+                            {"p95", d->p95},
+                            {"within_15_percent", d->within_15_percent}};
   json["surface_error_mm"] = {{"avg", or_null(m.surface_error_avg_mm)},
                               {"max", or_null(m.surface_error_max_mm)}};
   json["strain"] = {{"max", nullptr}, {"p999", nullptr}, {"mean", nullptr}};

@@ -5,6 +5,27 @@
 #include "base/units.h"
 
 namespace s3 {
+namespace {
+
+/// Figures of all layers' lines together.
+void line_metrics(const Toolpaths& toolpaths, Metrics& metrics) {
+  ShareHistogram deviation, spacing;
+  for (const LayerPaths& layer : toolpaths.layers) {
+    deviation.add(layer.lines.deviation);
+    spacing.add(layer.lines.spacing);
+  }
+  if (deviation.total() > 0)
+    metrics.stress_deviation_deg = {.p50 = 90 * deviation.quantile(0.5),
+                                    .p90 = 90 * deviation.quantile(0.9),
+                                    .p99 = 90 * deviation.quantile(0.99)};
+  if (spacing.total() > 0)
+    metrics.line_spacing = {.p5 = 2 * spacing.quantile(0.05),
+                            .p50 = 2 * spacing.quantile(0.5),
+                            .p95 = 2 * spacing.quantile(0.95),
+                            .within_15_percent = 100 * spacing.between(0.85 / 2, 1.15 / 2)};
+}
+
+}  // namespace
 
 void toolpath_metrics(const Toolpaths& toolpaths, Metrics& metrics) {
   double length = 0, area = 0, covered = 0, overlap = 0, wide = 0;
@@ -21,6 +42,7 @@ void toolpath_metrics(const Toolpaths& toolpaths, Metrics& metrics) {
         length += (path.points.row(0) - path.points.row(count - 1)).norm();
     }
   }
+  line_metrics(toolpaths, metrics);
   metrics.path_length_mm = length;
   metrics.coverage_percent = area > 0 ? std::optional<double>(100 * covered / area) : std::nullopt;
   metrics.overlap_percent = wide > 0 ? std::optional<double>(100 * overlap / wide) : std::nullopt;

@@ -11,8 +11,9 @@
 
 namespace s3 {
 
-/// Fills path_length_mm, coverage_percent (of the layers' area) and overlap_percent (of the area
-/// wider than two beads).
+/// Fills path_length_mm, coverage_percent (of the layers' area), overlap_percent (of the area wider
+/// than two beads), and where there are lines along the stress stress_deviation_deg and
+/// line_spacing.
 void toolpath_metrics(const Toolpaths& toolpaths, Metrics& metrics);
 
 /// Fills material_g and print_time_s: way over speed for prints and travels, without the machine's

@@ -6,7 +6,7 @@
 
 #include "base/types.h"
 #include "params/param_info.h"
-#include "toolpaths/contour_parallel.h"
+#include "toolpaths/make_toolpaths.h"
 #include "waypoints/make_waypoints.h"
 
 namespace s3 {

@@ -10,7 +10,7 @@
 #include "outer_loop/deformer.h"
 #include "params/param_info.h"
 #include "tetrahedralize/tetrahedralize.h"
-#include "toolpaths/contour_parallel.h"
+#include "toolpaths/make_toolpaths.h"
 
 namespace s3 {
 

@@ -19,7 +19,7 @@
 #include "params/param_visitors.h"
 #include "pipeline/evaluate.h"
 #include "pipeline/prepare_mesh.h"
-#include "toolpaths/contour_parallel.h"
+#include "toolpaths/make_toolpaths.h"
 #include "waypoints/make_waypoints.h"
 
 namespace s3 {
@@ -158,8 +158,13 @@ void Pipeline::slice(Context& ctx) {
 }
 
 void Pipeline::make_paths(Context& ctx) {
-  artifacts_.curved.toolpaths = make_toolpaths(artifacts_.curved.layers, params_.toolpath,
-                                               params_.layers.nozzle_diameter, ctx);
+  artifacts_.curved.toolpaths =
+      make_toolpaths(artifacts_.curved.layers, followed_stress(), params_.toolpath,
+                     params_.layers.nozzle_diameter, ctx);
+}
+
+const StressField* Pipeline::followed_stress() const {
+  return artifacts_.stress && params_.objectives.strength > 0 ? &*artifacts_.stress : nullptr;
 }
 
 void Pipeline::place_waypoints(Context& ctx) {
@@ -224,8 +229,8 @@ Print Pipeline::print_planar(Context& ctx) const {
   const double height = kPlanarHeight * params_.layers.max_thickness;
   Print print;
   print.layers = make_planar_layers(artifacts_.rest, height, params_.layers, ctx);
-  print.toolpaths =
-      make_toolpaths(print.layers, params_.toolpath, params_.layers.nozzle_diameter, ctx);
+  print.toolpaths = make_toolpaths(print.layers, followed_stress(), params_.toolpath,
+                                   params_.layers.nozzle_diameter, ctx);
   print.waypoints = make_waypoints(print.layers, print.toolpaths, settings(), ctx);
   return print;
 }

@@ -76,6 +76,8 @@ class Pipeline {
   void make_paths(Context& ctx);
   void place_waypoints(Context& ctx);
   WaypointSettings settings() const;
+  /// What hybrid toolpaths follow; null where the strength objective is off.
+  const StressField* followed_stress() const;
   void plan_moves(Context& ctx);
   void write_programs(Context& ctx);
   void evaluate(Context& ctx);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -18,8 +19,7 @@ constexpr double kLeastOpening = radians(40);
 // The bead count changes when the width is this much, in beads, away from the next rounding step:
 // no flicker.
 constexpr double kHysteresis = 0.15;
-// A single bead may be this narrow; below, the area stays empty.
-constexpr double kLeastWidth = 0.4;   // of w
+constexpr double kEvenEdge = 1.2;     // of w: WorkLayer::even
 constexpr double kLongEdge = 0.8;     // of w: everywhere
 constexpr double kShortEdge = 0.34;   // of w: near the medial axis
 constexpr double kCentralBand = 0.8;  // of w: how far from a central piece "near" reaches
@@ -68,6 +68,16 @@ Crossing find_crossing(const WorkLayer& layer, Index e) {
   crossing.radius = 0.5 * (crossing.foot[0].distance + crossing.foot[1].distance);
   crossing.exists = true;
   return crossing;
+}
+
+std::vector<char> longer_edges(const WorkLayer& layer, double longest) {
+  std::vector<char> split(layer.edges.ends.size(), 0);
+  for (std::size_t e = 0; e < split.size(); ++e) {
+    const auto [a, c] = layer.edges.ends[e];
+    split[e] =
+        (layer.mesh.vertices.row(a) - layer.mesh.vertices.row(c)).squaredNorm() > longest * longest;
+  }
+  return split;
 }
 
 std::vector<char> edges_to_split(const WorkLayer& layer, double width, const Context& ctx) {
@@ -177,6 +187,7 @@ void split_edges(WorkLayer& layer, const std::vector<char>& split) {
     }
   }
   std::vector<std::array<Index, 3>> result;
+  std::vector<Index> origin;
   result.reserve(static_cast<std::size_t>(layer.mesh.triangles.rows()) * 2);
   for (Eigen::Index f = 0; f < layer.mesh.triangles.rows(); ++f) {
     std::array<Index, 3> v{}, m{};
@@ -213,7 +224,9 @@ void split_edges(WorkLayer& layer, const std::vector<char>& split) {
         result.push_back({b, bc, ca});
       }
     }
+    origin.resize(result.size(), layer.origin[static_cast<std::size_t>(f)]);
   }
+  layer.origin = std::move(origin);
   layer.mesh.triangles.resize(static_cast<Eigen::Index>(result.size()), 3);
   for (std::size_t f = 0; f < result.size(); ++f)
     for (int k = 0; k < 3; ++k)
@@ -230,6 +243,15 @@ WorkLayer prepare_layer(LayerMesh mesh, double width, const Context& ctx) {
   layer.edges = make_edges(layer.mesh.triangles, static_cast<Index>(layer.mesh.vertices.rows()));
   layer.boundary = make_boundary(layer.mesh, layer.edges);
   layer.field = boundary_distance(layer.mesh, layer.edges, layer.boundary, ctx);
+  layer.origin.resize(static_cast<std::size_t>(layer.mesh.triangles.rows()));
+  std::iota(layer.origin.begin(), layer.origin.end(), 0);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    ctx.checkpoint();
+    const std::vector<char> split = longer_edges(layer, kEvenEdge * width);
+    if (std::find(split.begin(), split.end(), 1) == split.end()) break;
+    split_edges(layer, split);
+  }
+  layer.even = {static_cast<Index>(layer.mesh.vertices.rows()), layer.mesh.triangles, layer.origin};
   for (int round = 0; round < kMaxRounds; ++round) {
     ctx.checkpoint();
     const std::vector<char> split = edges_to_split(layer, width, ctx);
@@ -314,10 +336,10 @@ void MedialPlan::count_beads(double width) {
   std::vector<char> seen(axis_.nodes.size(), 0);
   std::deque<Index> queue;
   const auto count = [&](double across, Index before) {
-    if (across < kLeastWidth) return Index{0};
+    if (across < kLeastBeadWidth) return Index{0};
     const auto nearest = std::max<Index>(1, static_cast<Index>(std::lround(across)));
     if (before > 0 && std::abs(across - static_cast<double>(before)) <= 0.5 + kHysteresis &&
-        (before % 2 == 0 || across - static_cast<double>(before) + 1 >= kLeastWidth))
+        (before % 2 == 0 || across - static_cast<double>(before) + 1 >= kLeastBeadWidth))
       return before;
     return nearest;
   };

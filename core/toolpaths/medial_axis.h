@@ -13,16 +13,27 @@
 
 namespace s3 {
 
+constexpr double kLeastBeadWidth = 0.4;  // of w; what is thinner stays empty
+
+/// Triangles of a layer after some of the splitting, and the given layer's triangle that each was.
+struct SplitTriangles {
+  Index vertices = 0;  // the first of the finest mesh's
+  Triangles triangles;
+  std::vector<Index> origin;  // #F
+};
+
 /// A layer ready for contours: refined where the medial axis passes.
 struct WorkLayer {
   LayerMesh mesh;
   EdgeTable edges;
   LayerBoundary boundary;
   BoundaryDistance field;
+  std::vector<Index> origin;  // #F: the triangle of the given layer
+  SplitTriangles even;        // before the refinement near the medial axis: edges up to 1.2 w
 };
 
 /// Distance on a layer; triangles longer than the bead are split, and near the medial axis down to
-/// a third of it.
+/// a third of it. Given vertices stay the first.
 WorkLayer prepare_layer(LayerMesh mesh, double width, const Context& ctx);
 
 /// A point where the medial axis crosses a mesh edge, or the middle of a triangle where branches

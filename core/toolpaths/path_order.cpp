@@ -162,7 +162,7 @@ PathTree nest_paths(const WorkLayer& layer, const Values& coordinate,
     }
     for (const Index p : paths_at[static_cast<std::size_t>(level)]) {
       const Index vertex = paths[static_cast<std::size_t>(p)].inner_vertex;
-      if (paths[static_cast<std::size_t>(p)].path.kind == PathKind::wall) {
+      if (paths[static_cast<std::size_t>(p)].path.kind != PathKind::gap_fill) {
         const Index group = group_at(vertex);
         tree.groups[static_cast<std::size_t>(group)].paths.push_back(p);
       } else {

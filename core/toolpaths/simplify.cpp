@@ -52,4 +52,22 @@ std::vector<char> find_path_corners(const Path& path, double tolerance) {
   return corner;
 }
 
+void simplify(Path& path, double tolerance) {
+  const Eigen::Index n = path.points.rows();
+  if (n < 3) return;
+  const std::vector<char> corner = find_path_corners(path, tolerance);
+  std::vector<Eigen::Index> keep;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (corner[static_cast<std::size_t>(i)]) keep.push_back(i);
+  if (keep.size() < (path.closed ? 3u : 2u)) return;
+  Path kept;
+  kept.closed = path.closed;
+  kept.kind = path.kind;
+  kept.points = path.points(keep, Eigen::all);
+  kept.normals = path.normals(keep, Eigen::all);
+  kept.thickness = path.thickness(keep);
+  kept.width = path.width(keep);
+  path = std::move(kept);
+}
+
 }  // namespace s3

@@ -17,4 +17,7 @@ std::vector<char> find_corners(const Points& points, double tolerance);
 /// @return #P, of a closed path #P+1: the last entry stands for the return to the first point
 std::vector<char> find_path_corners(const Path& path, double tolerance);
 
+/// Removes points that the path's shape does not need. Tiny rings keep theirs.
+void simplify(Path& path, double tolerance);
+
 }  // namespace s3

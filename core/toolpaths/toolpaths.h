@@ -1,5 +1,7 @@
 // Toolpaths on curved layers (Sec. 5.1): polylines on the layer surfaces, before resampling.
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +23,26 @@ struct Path {
   PathKind kind = PathKind::wall;
 };
 
+/// Area over a quantity in [0, 1], in equal bins: figures of layers add up to those of a stack.
+struct ShareHistogram {
+  static constexpr std::size_t kBins = 360;
+  std::array<double, kBins> bins{};  // mm²
+
+  void add(double position, double weight);
+  void add(const ShareHistogram& other);
+  double total() const;
+  /// The position below which a share of the total lies, linear within a bin; total() > 0.
+  double quantile(double share) const;
+  /// Share of the total between two positions; total() > 0.
+  double between(double low, double high) const;
+};
+
+/// How lines along the stress lie (line_quality.h); empty where there are none.
+struct LineQuality {
+  ShareHistogram deviation;  // from the projected τ_max within S: angle / 90°
+  ShareHistogram spacing;    // between neighbouring strands: distance / 2w; the last bin: none
+};
+
 /// The paths of one layer component in print order, with what was measured on it.
 struct LayerPaths {
   Index component = 0;  // position in LayerStack::layers
@@ -30,6 +52,7 @@ struct LayerPaths {
   double overlap_area = 0;  // mm² laid more than once, where the layer is wider than two beads
   double wide_area = 0;     // mm² of the part that is wider than two beads
   double unfilled_thin_area = 0;  // mm² too thin for one bead, nothing printed there
+  LineQuality lines = {};
 };
 
 struct Toolpaths {

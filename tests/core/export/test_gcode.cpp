@@ -14,7 +14,7 @@
 #include "export/gcode.h"
 #include "export/waypoint_csv.h"
 #include "layer_shapes.h"
-#include "toolpaths/contour_parallel.h"
+#include "toolpaths/make_toolpaths.h"
 
 using namespace s3;
 
@@ -28,7 +28,7 @@ Waypoints make_print(const MachineProfile& machine, Context& ctx) {
     stack.layers[i].surface.vertices.col(0).array() += 40;
     stack.layers[i].layer = static_cast<Index>(i);
   }
-  return make_waypoints(stack, make_toolpaths(stack, {}, 1.0, ctx),
+  return make_waypoints(stack, make_toolpaths(stack, nullptr, {}, 1.0, ctx),
                         waypoint_settings(machine, {}, 1.0), ctx);
 }
 

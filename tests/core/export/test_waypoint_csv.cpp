@@ -6,7 +6,7 @@
 #include "export/number_text.h"
 #include "export/waypoint_csv.h"
 #include "layer_shapes.h"
-#include "toolpaths/contour_parallel.h"
+#include "toolpaths/make_toolpaths.h"
 #include "waypoints/make_waypoints.h"
 
 using namespace s3;
@@ -29,7 +29,7 @@ TEST_CASE("waypoints survive their text form") {
   LayerStack stack;
   stack.layers = {test::make_cap(12, 6, 0.7), test::make_lobes(0.7)};
   stack.layers[1].layer = 7;
-  const Waypoints w = make_waypoints(stack, make_toolpaths(stack, {}, 1.0, ctx), {}, ctx);
+  const Waypoints w = make_waypoints(stack, make_toolpaths(stack, nullptr, {}, 1.0, ctx), {}, ctx);
   const Waypoints back = read_waypoint_csv(write_waypoint_csv(w));
   REQUIRE(back.size() == w.size());
   REQUIRE(w.size() > 100);

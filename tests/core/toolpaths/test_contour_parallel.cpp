@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "layer_shapes.h"
-#include "toolpaths/contour_parallel.h"
+#include "toolpaths/make_toolpaths.h"
 
 using namespace s3;
 using namespace s3::test;
@@ -122,10 +122,10 @@ TEST_CASE("a strip too thin for a bead is listed, not dropped in silence") {
   CHECK(paths.unfilled_thin_area == doctest::Approx(6.0));
   LayerStack stack;
   stack.layers = {make_disc(5, 0.7)};
-  make_toolpaths(stack, {}, 1.0, ctx);
+  make_toolpaths(stack, nullptr, {}, 1.0, ctx);
   CHECK(ctx.warnings.empty());
   stack.layers.push_back(make_rectangle(20, 0.3, 0.3));
-  make_toolpaths(stack, {}, 1.0, ctx);
+  make_toolpaths(stack, nullptr, {}, 1.0, ctx);
   REQUIRE(ctx.warnings.size() == 1);
   CHECK(ctx.warnings[0].code == "toolpaths.thin_area");
 }
@@ -173,7 +173,7 @@ TEST_CASE("toolpaths do not depend on the number of threads") {
   stack.layers.push_back(make_disc(5, 0.7));
   const auto run = [&](int threads) {
     Context ctx(threads);
-    return make_toolpaths(stack, {}, 1.0, ctx);
+    return make_toolpaths(stack, nullptr, {}, 1.0, ctx);
   };
   const Toolpaths one = run(1), three = run(3);
   REQUIRE(one.layers.size() == three.layers.size());
@@ -187,5 +187,5 @@ TEST_CASE("toolpaths do not depend on the number of threads") {
 
 TEST_CASE("a bead width that is not positive is the user's error") {
   Context ctx;
-  CHECK_THROWS_AS(make_toolpaths({}, {}, 0.0, ctx), Error);
+  CHECK_THROWS_AS(make_toolpaths({}, nullptr, {}, 0.0, ctx), Error);
 }

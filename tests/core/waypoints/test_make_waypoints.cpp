@@ -4,7 +4,7 @@
 
 #include "base/units.h"
 #include "layer_shapes.h"
-#include "toolpaths/contour_parallel.h"
+#include "toolpaths/make_toolpaths.h"
 #include "waypoints/make_waypoints.h"
 
 using namespace s3;
@@ -32,7 +32,7 @@ TEST_CASE("the extruded volume is that of the layers") {
   for (const Layer& shape :
        {make_disc(10.3, 0.7), make_square_with_hole(20, 8.6, 0.7), make_rectangle(20, 2.5, 0.7)}) {
     const LayerStack stack = make_stack(shape, 3, 0.5);
-    const Toolpaths paths = make_toolpaths(stack, {}, 1.0, ctx);
+    const Toolpaths paths = make_toolpaths(stack, nullptr, {}, 1.0, ctx);
     const Waypoints w = make_waypoints(stack, paths, {}, ctx);
     double volume = 0, area = 0;
     for (Index i = 0; i < w.size(); ++i) volume += w.extrusion(i) * kPi / 4 * 1.75 * 1.75;
@@ -47,7 +47,7 @@ TEST_CASE("waypoints keep distance, corners and the layer's normal") {
   stack.layers = {make_cap(12, 8, 0.7)};
   WaypointSettings settings;
   settings.spacing = 1.0;
-  const Toolpaths paths = make_toolpaths(stack, {}, 1.0, ctx);
+  const Toolpaths paths = make_toolpaths(stack, nullptr, {}, 1.0, ctx);
   const Waypoints w = make_waypoints(stack, paths, settings, ctx);
   REQUIRE(w.size() > 100);
   for (Index i = 0; i < w.size(); ++i) {
@@ -71,7 +71,7 @@ TEST_CASE("closed paths end where they begin") {
   Context ctx;
   LayerStack stack;
   stack.layers = {make_annulus(4, 8, 0.7)};
-  const Waypoints w = make_waypoints(stack, make_toolpaths(stack, {}, 1.0, ctx), {}, ctx);
+  const Waypoints w = make_waypoints(stack, make_toolpaths(stack, nullptr, {}, 1.0, ctx), {}, ctx);
   int closed = 0;
   for (Index i = 0; i < w.size();) {
     Index last = i;
@@ -97,7 +97,7 @@ TEST_CASE("thick beads are printed slower so that the hot end keeps up") {
   WaypointSettings settings;
   settings.print_speed = 30;
   settings.max_flow = 8;
-  const Waypoints w = make_waypoints(stack, make_toolpaths(stack, {}, 1.0, ctx), settings, ctx);
+  const Waypoints w = make_waypoints(stack, make_toolpaths(stack, nullptr, {}, 1.0, ctx), settings, ctx);
   for (Index i = 1; i < w.size(); ++i) {
     if (w.travel[static_cast<std::size_t>(i)]) continue;
     const double length = (w.position.row(i) - w.position.row(i - 1)).norm();
@@ -118,7 +118,7 @@ TEST_CASE("travels clear a printed tower that stands between two pads") {
       pad.surface.vertices.col(2).array() += 0.5 * (i + 1);
       stack.layers.push_back(pad);
     }
-  const Toolpaths toolpaths = make_toolpaths(stack, {}, 1.0, ctx);
+  const Toolpaths toolpaths = make_toolpaths(stack, nullptr, {}, 1.0, ctx);
   ctx.warnings.clear();  // the corners of the small pads are too thin for a bead
   const Waypoints w = make_waypoints(stack, toolpaths, {}, ctx);
   CHECK(ctx.warnings.empty());
