@@ -7,7 +7,7 @@
 namespace s3 {
 namespace {
 
-constexpr double kReach = 1.0;             // of w: smoothing where the confidence is 1
+constexpr double kReach = 2.0;             // of w: smoothing where the confidence is 1
 constexpr double kLeastConfidence = 1e-3;  // keeps the system definite where there is no stress
 constexpr double kTolerance = 3e-3;
 

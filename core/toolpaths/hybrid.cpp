@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <limits>
 #include <utility>
 
 #include "base/units.h"
@@ -83,7 +83,7 @@ LineGuides guide_along_walls(const StripeMesh& mesh, const Directions& line, con
                              double width, int walls) {
   constexpr double kLargestSine = 0.5;  // between line and wall: 30°
   constexpr double kReach = 2.0;        // of w
-  constexpr double kTrust = 0.3;
+  constexpr double kTrust = 2;
   const Eigen::Index n = mesh.vertices.rows();
   LineGuides guides{Values::Zero(n), Directions::Zero(n, 3)};
   for (Eigen::Index v = 0; v < n; ++v) {
@@ -95,7 +95,7 @@ LineGuides guide_along_walls(const StripeMesh& mesh, const Directions& line, con
     away.normalize();
     const double sine = std::abs(Vec3(line.row(v)).dot(away));
     if (sine >= kLargestSine) continue;
-    guides.trust(v) = kTrust * (1 - sine / kLargestSine) * (1 - inside / kReach);
+    guides.trust(v) = kTrust * std::pow(1 - sine / kLargestSine, 3) * (1 - inside / kReach);
     guides.direction.row(v) = normal.cross(away);
   }
   return guides;
@@ -106,7 +106,7 @@ StripeAnchors anchor_at_walls(const StripeMesh& mesh, const Directions& line,
                               const WorkLayer& layer, double width, int walls) {
   constexpr double kParallel = 0.3;  // sine of the largest angle between line and wall
   constexpr double kReach = 1.0;     // of w, to both sides of the first line
-  constexpr double kWeight = 1.0;
+  constexpr double kWeight = 4.0;
   StripeAnchors anchors{Values::Zero(mesh.vertices.rows()), Values::Zero(mesh.vertices.rows())};
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
     const Index from = mesh.work_vertex[static_cast<std::size_t>(v)];
@@ -121,19 +121,25 @@ StripeAnchors anchor_at_walls(const StripeMesh& mesh, const Directions& line,
   return anchors;
 }
 
-/// Stripe lines as paths, cut where they leave the area between the fences.
+/// Stripe lines as paths, cut where they leave the area inside of the walls. A line that runs along
+/// a wall may come nearer to it than one that ends there: otherwise it would be cut into crumbs.
 class LineCutter {
  public:
   LineCutter(const WorkLayer& layer, const StripeMesh& mesh, double width, int walls)
-      : layer_(layer), mesh_(mesh), width_(width), depth_((walls + 0.5) * width) {}
+      : layer_(layer), mesh_(mesh), width_(width), walls_(walls) {}
 
   void cut(const StripeLine& line, std::vector<Path>& result) const {
     const std::size_t n = line.nodes.size(), pieces = line.triangles.size();
     std::vector<Sample> samples;
     for (const StripeLine::Node& node : line.nodes) samples.push_back(sample(node));
+    smooth(samples, line.closed);
     std::vector<char> inside(n);
-    for (std::size_t i = 0; i < n; ++i)
-      inside[i] = depth(line.triangles[std::min(i, pieces - 1)], samples[i].point) >= depth_;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t before = i > 0 ? i - 1 : (line.closed ? n - 1 : 0);
+      const std::size_t after = i + 1 < n ? i + 1 : (line.closed ? 0 : i);
+      inside[i] = is_inside(line.triangles[std::min(i, pieces - 1)], samples[i].point,
+                            samples[after].point - samples[before].point);
+    }
     const auto outside = std::find(inside.begin(), inside.end(), 0);
     if (outside == inside.end()) {
       result.push_back(make_path(samples, line.closed));
@@ -172,16 +178,41 @@ class LineCutter {
             (1 - t) * layer_.mesh.thickness(va) + t * layer_.mesh.thickness(vb)};
   }
 
-  /// Distance from the layer's boundary, as the triangle's corners see it.
-  double depth(Index triangle, const Vec3& point) const {
-    double least = std::numeric_limits<double>::infinity();
+  /// Takes out the corners that a line has at the mesh's edges.
+  static void smooth(std::vector<Sample>& samples, bool closed) {
+    constexpr int kRounds = 3;
+    const std::size_t n = samples.size();
+    if (n < 3) return;
+    for (int round = 0; round < kRounds; ++round) {
+      const std::vector<Sample> old = samples;
+      for (std::size_t i = closed ? 0 : 1; i + (closed ? 0 : 1) < n; ++i)
+        samples[i].point =
+            0.25 * old[(i + n - 1) % n].point + 0.5 * old[i].point + 0.25 * old[(i + 1) % n].point;
+    }
+  }
+
+  /// The nearest boundary point, as the triangle's corners see it.
+  BoundaryHit nearest_boundary(Index triangle, const Vec3& point) const {
+    BoundaryHit nearest;
+    nearest.distance = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {
       const Index v = mesh_.work_vertex[static_cast<std::size_t>(mesh_.triangles(triangle, k))];
       const BoundarySource& source = layer_.field.source[static_cast<std::size_t>(v)];
-      if (source.edge >= 0)
-        least = std::min(least, hit_boundary(layer_.boundary, source, point, true).distance);
+      if (source.edge < 0) continue;
+      const BoundaryHit hit = hit_boundary(layer_.boundary, source, point, true);
+      if (hit.distance < nearest.distance) nearest = hit;
     }
-    return least;
+    return nearest;
+  }
+
+  bool is_inside(Index triangle, const Vec3& point, const Vec3& way) const {
+    constexpr double kAlong = 0.2, kAcross = 0.45;  // of w from the walls' inner edge
+    constexpr double kSteep = 0.5;                  // sine of the angle to the wall
+    const BoundaryHit hit = nearest_boundary(triangle, point);
+    const double length = way.norm();
+    const double sine = length > 0 ? std::abs(way.dot(hit.away)) / length : 0;
+    const double least = kAlong + (kAcross - kAlong) * std::min(1.0, sine / kSteep);
+    return hit.distance >= (walls_ + least) * width_;
   }
 
   Sample crossing(Index triangle, const Sample& a, const Sample& b, bool a_inside) const {
@@ -194,7 +225,7 @@ class LineCutter {
     };
     for (int i = 0; i < kHalvings; ++i) {
       const double middle = 0.5 * (low + high);
-      const bool inside = depth(triangle, at(middle).point) >= depth_;
+      const bool inside = is_inside(triangle, at(middle).point, b.point - a.point);
       (inside == a_inside ? low : high) = middle;
     }
     return at(0.5 * (low + high));
@@ -228,7 +259,8 @@ class LineCutter {
 
   const WorkLayer& layer_;
   const StripeMesh& mesh_;
-  double width_, depth_;
+  double width_;
+  int walls_;
 };
 
 }  // namespace
