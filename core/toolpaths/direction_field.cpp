@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kReach = 2.0;             // of w: smoothing where the confidence is 1
 constexpr double kLeastConfidence = 1e-3;  // keeps the system definite where there is no stress
-constexpr double kTolerance = 3e-3;
+constexpr double kTolerance = 1e-2;
 
 /// A frame of the tangent plane at each vertex.
 struct Frames {
@@ -53,7 +53,8 @@ Vec3 carry_tangent(const Vec3& tangent, const Vec3& from_normal, const Vec3& to_
 }
 
 Directions direction_field(const StripeMesh& mesh, const LayerStress& stress,
-                           const LineGuides& guides, double width, const Context& ctx) {
+                           const LineGuides& guides, const Directions& start, double width,
+                           const Context& ctx) {
   const Eigen::Index n = mesh.vertices.rows();
   const Frames frames = make_frames(mesh.normal);
   Values trust = Values::Zero(n);
@@ -82,8 +83,14 @@ Directions direction_field(const StripeMesh& mesh, const LayerStress& stress,
       make_solver({.kind = SolverKind::jacobi, .tolerance = kTolerance, .max_iterations = 2000});
   solver->factor(matrix, own);
   Block line = wanted;
-  for (Eigen::Index v = 0; v < n; ++v)
-    line.middleRows(2 * v, 2) /= std::max(trust(v), kLeastConfidence * mesh.vertex_area(v));
+  for (Eigen::Index v = 0; v < n; ++v) {
+    if (start.rows() == 0) {
+      line.middleRows(2 * v, 2) /= std::max(trust(v), kLeastConfidence * mesh.vertex_area(v));
+    } else {
+      const double angle = 2 * angle_in_frame(frames, v, start.row(v));
+      line.middleRows(2 * v, 2) << std::cos(angle), std::sin(angle);
+    }
+  }
   ctx.checkpoint();
   solver->solve(wanted, line, own);
   Directions field(n, 3);

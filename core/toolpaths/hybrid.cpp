@@ -272,9 +272,9 @@ void fill_with_lines(const LayerStress& stress, double width, int walls, Contour
   const StripeMesh mesh = make_stripe_mesh(plan.work, triangles_of(areas, plan.work.even));
   const Eigen::Index n = mesh.vertices.rows();
   Directions field =
-      direction_field(mesh, stress, {Values::Zero(n), Directions::Zero(n, 3)}, width, ctx);
+      direction_field(mesh, stress, {Values::Zero(n), Directions::Zero(n, 3)}, {}, width, ctx);
   field = direction_field(mesh, stress, guide_along_walls(mesh, field, plan.work, width, walls),
-                          width, ctx);
+                          field, width, ctx);
   const StripeAnchors anchors = anchor_at_walls(mesh, field, plan.work, width, walls);
   const StripePattern pattern = stripe_pattern(mesh, field, anchors, width, ctx);
   const LineCutter cutter(plan.work, mesh, width, walls);

@@ -136,7 +136,7 @@ StripePattern stripe_pattern(const StripeMesh& mesh, const Directions& line,
                                                       Values::Zero(mesh.vertices.rows()));
   Block x = carried_phases(mesh, wanted, anchors);
   // Diffusion lengths in spacings, and steps. More of them change next to nothing.
-  for (const auto& [reach, steps] : {std::pair(8.0, 2), std::pair(2.0, 3)})
+  for (const auto& [reach, steps] : {std::pair(4.0, 2), std::pair(2.0, 3)})
     diffuse(mesh, laplacian, anchors, 1 / (reach * reach * spacing * spacing), steps, x, ctx);
   // A level that meets a vertex exactly would be counted differently from two sides.
   constexpr double kClear = 1e-6;
