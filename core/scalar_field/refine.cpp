@@ -26,7 +26,7 @@ constexpr double kConcavity = 60;    // on faces; 30 leaves some valleys
 constexpr double kSmoothness = 0.2;  // squared jump of ∇G; much more keeps overhangs from turning
 constexpr double kProximity = 0.01;  // to the start: decides only what nothing else does
 constexpr double kQuality = 60;      // soft, SQ, where it is the first of the objectives
-constexpr double kStrength = 50;     // soft, SR, likewise
+constexpr double kStrength = 20;     // soft, SR, likewise
 
 // A soft objective pulls no harder than from this far away, as a share of the usual ‖∇G‖: places
 // that cannot comply give up instead of holding back those that can. Worth 2 points of SQ area on
@@ -36,6 +36,9 @@ constexpr double kStrengthReach = 0.3;
 
 // Constraints aim this far inside their border: solutions come to lie around it.
 constexpr double kAlphaMargin = radians(2);
+// SR is soft and stops where it would be met: without a margin half of the critical tets of the
+// bridge end just outside.
+constexpr double kBetaMargin = radians(5);
 constexpr double kTiltMargin = radians(1);
 // Valleys over 20° make poor surfaces; the clamp acts before.
 constexpr double kPoorConcaveAngle = radians(20);
@@ -146,7 +149,8 @@ Refinement::Refinement(const TetMesh& rest, const FieldOperators& op, const Anch
 
 void Refinement::make_constraints(const ObjectiveParams& params) {
   const RegionBounds hard = region_bounds(params, kAlphaMargin);
-  const RegionBounds soft = region_bounds(params);
+  RegionBounds soft = region_bounds(params);
+  soft.sin_beta = std::sin(std::max(0.0, radians(params.beta_deg) - kBetaMargin));
   const double first = std::max({params.support_free, params.surface_quality, params.strength});
   constraint_of_.assign(static_cast<std::size_t>(rest_.tet_count()), -1);
   hard_weight_.resize(rest_.tet_count());
