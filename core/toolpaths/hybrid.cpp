@@ -282,19 +282,26 @@ void fill_with_lines(const LayerStress& stress, double width, int walls, Contour
   for (const StripeLine& line : trace_stripes(mesh, pattern)) cutter.cut(line, lines);
 
   std::vector<PlannedPath> kept, fences;
+  Index inside = -1;  // a vertex that the lines take the place of
   for (PlannedPath& p : plan.paths) {
     const bool replaced =
         p.level >= walls && areas.of_vertex[static_cast<std::size_t>(p.inner_vertex)] >= 0;
+    if (replaced) inside = p.inner_vertex;
     if (!replaced)
       kept.push_back(std::move(p));
     else if (p.level == walls && p.path.kind == PathKind::wall)
       fences.push_back(std::move(p));
   }
+  if (inside < 0) {
+    plan.paths = std::move(kept);
+    return;
+  }
   std::vector<const Path*> fence_paths;
+  fence_paths.reserve(fences.size());
   for (const PlannedPath& fence : fences) fence_paths.push_back(&fence.path);
-  for (Path& path : join_stripes(std::move(lines), fence_paths, width)) {
+  for (Path& path : join_stripes(lines, fence_paths, width)) {
     simplify(path, kSimplifyPath * width);
-    kept.push_back({std::move(path), static_cast<Index>(walls), fences.front().inner_vertex});
+    kept.push_back({std::move(path), static_cast<Index>(walls), inside});
   }
   plan.paths = std::move(kept);
 }

@@ -251,8 +251,8 @@ class Joiner {
 
 }  // namespace
 
-std::vector<Path> join_stripes(std::vector<Path> lines, const std::vector<const Path*>& fences,
-                               double width) {
+std::vector<Path> join_stripes(const std::vector<Path>& lines,
+                               const std::vector<const Path*>& fences, double width) {
   return Joiner(lines, fences, width).join();
 }
 

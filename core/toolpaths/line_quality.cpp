@@ -142,7 +142,8 @@ LineQuality measure_lines(const LayerMesh& layer, const LayerStress& stress,
       for (int j = 0; j < 2 * (m - i) - 1; ++j) {
         // Centre of small triangle j in row i of the subdivision.
         const double third = (j % 2 == 0 ? 1.0 : 2.0) / 3;
-        const Vec3 p = a + (j / 2 + third) / m * ab + (i + third) / m * ac;
+        const int column = j / 2;
+        const Vec3 p = a + (column + third) / m * ab + (i + third) / m * ac;
         add_sample(p, normal, follows ? &tau : nullptr, part, width, near, result);
       }
   }

@@ -191,7 +191,8 @@ test("several bodies are printed on one plate", () => {
   const report = json("trio", "report.json");
   assert.equal(report.curved.islands, 0);
   assert.equal(report.curved.foldovers, 0);
-  assert.deepEqual(report.warnings.filter(({ code }) => code.startsWith("mesh.")), []);
+  // So few tets need a simpler surface, which is said; no body floats.
+  assert.deepEqual(report.warnings.filter(({ code }) => code.startsWith("mesh.") && code !== "mesh.rebuilt"), []);
   const rows = read("trio", "waypoints.csv").toString().trimEnd().split("\n");
   const points = rows.filter((row) => /^\d/.test(row)).map((row) => row.split(","));
   // An arch, a drop and a block: their places along x, their heights.
