@@ -162,12 +162,14 @@ void find_intersections(const TriMesh& mesh, const std::vector<char>& degenerate
   }
 }
 
-// Number of other shells that contain the shell's first corner: parity of crossings along three
-// rays, by majority.
+// Number of other shells that contain the middle of the shell's first triangle: parity of crossings
+// along three rays, by majority. Not one of its corners: shells may touch there. What contains a
+// shell is larger.
 std::vector<Index> shell_depths(const TriMesh& mesh, const std::vector<Index>& shell,
-                                Index shells) {
-  std::vector<Index> depth(static_cast<std::size_t>(shells), 0);
-  if (shells == 1) return depth;
+                                const std::vector<Shell>& shells) {
+  std::vector<Index> depth(shells.size(), 0);
+  if (shells.size() == 1) return depth;
+  const auto size = [&](Index s) { return std::abs(shells[static_cast<std::size_t>(s)].volume); };
   const AabbTree tree(mesh);
   // Directions without any relation to coordinates, so that rays miss edges and corners.
   const std::array<Vec3, 3> directions = {
@@ -179,15 +181,16 @@ std::vector<Index> shell_depths(const TriMesh& mesh, const std::vector<Index>& s
     seen[static_cast<std::size_t>(own)] = 1;
     std::vector<std::array<Index, 2>> votes;  // shell, ray; one for each crossing
     for (Index ray = 0; ray < 3; ++ray)
-      for (const RayHit& hit : tree.all_hits(vertex(mesh, mesh.triangles(f, 0)),
-                                             directions[static_cast<std::size_t>(ray)]))
+      for (const RayHit& hit :
+           tree.all_hits(centroid(corners_of(mesh, f)), directions[static_cast<std::size_t>(ray)]))
         votes.push_back({shell[static_cast<std::size_t>(hit.triangle)], ray});
     std::sort(votes.begin(), votes.end());
     for (std::size_t begin = 0, end; begin < votes.size(); begin = end) {
       std::array<int, 3> crossings{};
       for (end = begin; end < votes.size() && votes[end][0] == votes[begin][0]; ++end)
         ++crossings[static_cast<std::size_t>(votes[end][1])];
-      if (votes[begin][0] != own && crossings[0] % 2 + crossings[1] % 2 + crossings[2] % 2 >= 2)
+      if (size(votes[begin][0]) > size(own) &&
+          crossings[0] % 2 + crossings[1] % 2 + crossings[2] % 2 >= 2)
         ++depth[static_cast<std::size_t>(own)];
     }
   }
@@ -205,7 +208,7 @@ std::vector<Shell> measured_shells(const TriMesh& mesh, const std::vector<Index>
     s.volume += (t[0] - s.place).dot((t[1] - s.place).cross(t[2] - s.place)) / 6;
   }
   if (!closed) return shells;
-  const std::vector<Index> depth = shell_depths(mesh, shell, count);
+  const std::vector<Index> depth = shell_depths(mesh, shell, shells);
   for (std::size_t i = 0; i < shells.size(); ++i) {
     shells[i].depth = depth[i];
     shells[i].inverted = depth[i] % 2 == 0 ? shells[i].volume < 0 : shells[i].volume > 0;

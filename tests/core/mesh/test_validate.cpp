@@ -191,3 +191,13 @@ TEST_CASE("an empty surface and a doubtful size are reported") {
   REQUIRE(ctx.warnings.size() == 2);
   CHECK(ctx.warnings[0].code == "mesh.units");
 }
+
+TEST_CASE("shells that touch are not inside each other") {
+  // Two tetrahedra with a common edge; a corner of each lies on the other's surface.
+  TriMesh mesh;
+  mesh.vertices.resize(8, 3);
+  mesh.vertices << 0, 0, 13, 2, 13, 6, 8, 0, 0, 0, 8, 0, 1, 1, 1, 1, 6, 1, 0, 0, 13, 8, 0, 0;
+  mesh.triangles.resize(8, 3);
+  mesh.triangles << 0, 1, 2, 0, 3, 1, 6, 7, 4, 1, 3, 2, 7, 6, 5, 2, 3, 0, 6, 4, 5, 5, 4, 7;
+  for (const Shell& shell : measure_shells(mesh).shells) CHECK(shell.depth == 0);
+}
