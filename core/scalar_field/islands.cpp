@@ -79,8 +79,7 @@ std::vector<Island> find_islands(const TetMesh& rest, const ObjectiveField& obje
     // island until now.
     if (!part[b].supported) {
       if (level - part[b].begin > flat) {
-        islands.push_back(
-            {centroid(rest, part[b].minimum), part[b].volume, level - part[b].begin});
+        islands.push_back({centroid(rest, part[b].minimum), part[b].volume, level - part[b].begin});
       } else if (level - part[a].begin <= flat) {
         part[a].minimum.insert(part[a].minimum.end(), part[b].minimum.begin(),
                                part[b].minimum.end());
@@ -104,8 +103,8 @@ std::vector<Island> find_islands(const TetMesh& rest, const ObjectiveField& obje
   }
   for (const Index v : order)  // components that never meet the plate
     if (parent[v] == v && !part[v].supported)
-      islands.push_back({centroid(rest, part[v].minimum), part[v].volume,
-                         value(order.back()) - part[v].begin});
+      islands.push_back(
+          {centroid(rest, part[v].minimum), part[v].volume, value(order.back()) - part[v].begin});
   return islands;
 }
 

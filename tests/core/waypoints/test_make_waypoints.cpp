@@ -97,7 +97,8 @@ TEST_CASE("thick beads are printed slower so that the hot end keeps up") {
   WaypointSettings settings;
   settings.print_speed = 30;
   settings.max_flow = 8;
-  const Waypoints w = make_waypoints(stack, make_toolpaths(stack, nullptr, {}, 1.0, ctx), settings, ctx);
+  const Waypoints w =
+      make_waypoints(stack, make_toolpaths(stack, nullptr, {}, 1.0, ctx), settings, ctx);
   for (Index i = 1; i < w.size(); ++i) {
     if (w.travel[static_cast<std::size_t>(i)]) continue;
     const double length = (w.position.row(i) - w.position.row(i - 1)).norm();
