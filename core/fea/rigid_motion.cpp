@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 
 #include <Eigen/Eigenvalues>
 
 #include "base/error.h"
+#include "mesh/surface_edges.h"
 
 namespace s3 {
 namespace {
@@ -19,35 +19,16 @@ constexpr double kFree = 1e-9;
 constexpr double kSmall = 1e-6;
 constexpr std::size_t kMostPieces = 64;  // that hang together by edges or corners
 
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  Index root(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index a, Index b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
-
 /// Face-connected pieces of one body, and the vertices each of them touches.
 struct Body {
   std::vector<std::vector<Index>> pieces;  // vertices, ascending
 };
 
 std::vector<Body> bodies_of(const TetMesh& mesh) {
-  UnionFind by_face(static_cast<std::size_t>(mesh.tet_count()));
+  DisjointSets by_face(static_cast<std::size_t>(mesh.tet_count()));
   for (Eigen::Index f = 0; f < mesh.face_pairs.rows(); ++f)
     by_face.join(mesh.face_pairs(f, 0), mesh.face_pairs(f, 1));
-  UnionFind by_vertex(static_cast<std::size_t>(mesh.tet_count()));
+  DisjointSets by_vertex(static_cast<std::size_t>(mesh.tet_count()));
   std::vector<Index> first_tet(static_cast<std::size_t>(mesh.vertex_count()), -1);
   for (Index t = 0; t < mesh.tet_count(); ++t)
     for (int i = 0; i < 4; ++i) {
@@ -59,7 +40,7 @@ std::vector<Body> bodies_of(const TetMesh& mesh) {
   std::vector<Index> body_at(static_cast<std::size_t>(mesh.tet_count()), -1), piece_at = body_at;
   std::vector<Body> bodies;
   for (Index t = 0; t < mesh.tet_count(); ++t) {
-    const Index body_root = by_vertex.root(t), piece_root = by_face.root(t);
+    const Index body_root = by_vertex.find(t), piece_root = by_face.find(t);
     if (body_at[body_root] < 0) {
       body_at[body_root] = static_cast<Index>(bodies.size());
       bodies.emplace_back();

@@ -42,10 +42,6 @@ void add_row(std::string& table, const char* name, const std::string& curved,
   table += row;
 }
 
-}  // namespace
-
-namespace {
-
 /// Rows and axes as the model file has them, so that the stress can be imported with it; for a
 /// surface, which has no tets, those of fields.vtu.
 std::string stress_in_file_frame(const Artifacts& a) {

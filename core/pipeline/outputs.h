@@ -10,10 +10,9 @@ namespace s3 {
 /// Takes a file's name relative to OUTDIR ("layers/0003.ply") and its content.
 using FileSink = std::function<void(const std::string& name, const std::string& content)>;
 
-/// Hands over the files that a stage's result goes into: stress.csv after fea (with a
-/// load case), fields.vtu after outer_loop,
-/// layers/NNNN.ply after layers, waypoints.csv after waypoints, the machine's programs after
-/// export, plots after metrics. Other stages have none.
+/// Hands over the files that a stage's result goes into: stress.csv after fea (with a load case),
+/// fields.vtu after outer_loop, layers/NNNN.ply after layers, waypoints.csv after waypoints, the
+/// machine's programs after export, plots after metrics. Other stages have none.
 void write_stage_files(const Pipeline& pipeline, Stage stage, const FileSink& sink);
 
 /// What the program knows and the pipeline does not.

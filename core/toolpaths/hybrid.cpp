@@ -268,7 +268,20 @@ class LineCutter {
 void fill_with_lines(const LayerStress& stress, double width, int walls, ContourPlan& plan,
                      const Context& ctx) {
   const InfillAreas areas = find_areas(plan, width, walls);
-  if (areas.count == 0) return;
+  std::vector<PlannedPath> kept, fences;
+  Index inside = -1;  // a vertex that the lines take the place of
+  for (PlannedPath& p : plan.paths) {
+    const bool replaced =
+        p.level >= walls && areas.of_vertex[static_cast<std::size_t>(p.inner_vertex)] >= 0;
+    if (replaced) inside = p.inner_vertex;
+    if (!replaced)
+      kept.push_back(std::move(p));
+    else if (p.level == walls && p.path.kind == PathKind::wall)
+      fences.push_back(std::move(p));
+  }
+  plan.paths = std::move(kept);
+  if (inside < 0) return;
+
   const StripeMesh mesh = make_stripe_mesh(plan.work, triangles_of(areas, plan.work.even));
   const Eigen::Index n = mesh.vertices.rows();
   Directions field =
@@ -281,29 +294,13 @@ void fill_with_lines(const LayerStress& stress, double width, int walls, Contour
   std::vector<Path> lines;
   for (const StripeLine& line : trace_stripes(mesh, pattern)) cutter.cut(line, lines);
 
-  std::vector<PlannedPath> kept, fences;
-  Index inside = -1;  // a vertex that the lines take the place of
-  for (PlannedPath& p : plan.paths) {
-    const bool replaced =
-        p.level >= walls && areas.of_vertex[static_cast<std::size_t>(p.inner_vertex)] >= 0;
-    if (replaced) inside = p.inner_vertex;
-    if (!replaced)
-      kept.push_back(std::move(p));
-    else if (p.level == walls && p.path.kind == PathKind::wall)
-      fences.push_back(std::move(p));
-  }
-  if (inside < 0) {
-    plan.paths = std::move(kept);
-    return;
-  }
   std::vector<const Path*> fence_paths;
   fence_paths.reserve(fences.size());
   for (const PlannedPath& fence : fences) fence_paths.push_back(&fence.path);
   for (Path& path : join_stripes(lines, fence_paths, width)) {
     simplify(path, kSimplifyPath * width);
-    kept.push_back({std::move(path), static_cast<Index>(walls), inside});
+    plan.paths.push_back({std::move(path), static_cast<Index>(walls), inside});
   }
-  plan.paths = std::move(kept);
 }
 
 }  // namespace s3
