@@ -119,6 +119,16 @@ void chain_loops(LayerBoundary& boundary, const std::vector<Index>& to_vertex,
 
 }  // namespace
 
+double longest_edge(const LayerMesh& layer) {
+  double longest = 0;
+  for (Eigen::Index f = 0; f < layer.triangles.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      longest = std::max(longest, (layer.vertices.row(layer.triangles(f, k)) -
+                                   layer.vertices.row(layer.triangles(f, (k + 1) % 3)))
+                                      .norm());
+  return longest;
+}
+
 EdgeTable make_edges(const Triangles& triangles, Index vertices) {
   struct HalfEdge {
     Index high, corner;

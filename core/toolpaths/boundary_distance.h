@@ -23,6 +23,8 @@ struct LayerMesh {
   Values thickness;   // #V mm
   Triangles triangles;
 };
+/// mm; 0 without triangles.
+double longest_edge(const LayerMesh& layer);
 
 /// Undirected edges of a triangle mesh, ascending by (lower vertex, higher vertex).
 struct EdgeTable {

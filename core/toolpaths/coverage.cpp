@@ -88,15 +88,9 @@ Coverage measure_coverage(const LayerMesh& layer, const Values& distance,
   double widest = width;
   for (const Path& path : paths)
     widest = std::max(widest, path.width.size() > 0 ? path.width.maxCoeff() : 0.0);
-  double longest_edge = 0;
-  for (Eigen::Index f = 0; f < layer.triangles.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      longest_edge = std::max(longest_edge, (layer.vertices.row(layer.triangles(f, k)) -
-                                             layer.vertices.row(layer.triangles(f, (k + 1) % 3)))
-                                                .norm());
   // Segments are found from a triangle's middle through points along them, at most a quarter of the
   // widest bead away.
-  const double triangle_reach = longest_edge / std::sqrt(3.0);
+  const double triangle_reach = longest_edge(layer) / std::sqrt(3.0);
   PointGrid grid(0.75 * widest + triangle_reach);
   std::vector<Index> owner;
   for (std::size_t s = 0; s < segments.size(); ++s) {

@@ -113,14 +113,8 @@ void add_sample(const Vec3& p, const Vec3& normal, const Vec3* tau, double area,
 LineQuality measure_lines(const LayerMesh& layer, const LayerStress& stress,
                           const std::vector<Path>& paths, double width, const Context& ctx) {
   LineQuality result;
-  double longest_edge = 0;
-  for (Eigen::Index f = 0; f < layer.triangles.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      longest_edge = std::max(longest_edge, (layer.vertices.row(layer.triangles(f, k)) -
-                                             layer.vertices.row(layer.triangles(f, (k + 1) % 3)))
-                                                .norm());
   const double reach = (kSearch + 0.5 * kPiece) * width;
-  const Pieces pieces(paths, width, reach + longest_edge / std::sqrt(3.0));
+  const Pieces pieces(paths, width, reach + longest_edge(layer) / std::sqrt(3.0));
   std::vector<const Piece*> near;
   for (Eigen::Index f = 0; f < layer.triangles.rows(); ++f) {
     if (f % 1024 == 0) ctx.checkpoint();

@@ -51,14 +51,7 @@ Path start_at(const Path& path, Index first) {
   for (Eigen::Index i = 0; i < n; ++i)
     order[static_cast<std::size_t>(i)] =
         path.closed ? (first + i) % n : (first == 0 ? i : n - 1 - i);
-  Path result;
-  result.closed = path.closed;
-  result.kind = path.kind;
-  result.points = path.points(order, Eigen::all);
-  result.normals = path.normals(order, Eigen::all);
-  result.thickness = path.thickness(order);
-  result.width = path.width(order);
-  return result;
+  return path_through(path, order);
 }
 
 class Orderer {

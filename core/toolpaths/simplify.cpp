@@ -60,14 +60,7 @@ void simplify(Path& path, double tolerance) {
   for (Eigen::Index i = 0; i < n; ++i)
     if (corner[static_cast<std::size_t>(i)]) keep.push_back(i);
   if (keep.size() < (path.closed ? 3u : 2u)) return;
-  Path kept;
-  kept.closed = path.closed;
-  kept.kind = path.kind;
-  kept.points = path.points(keep, Eigen::all);
-  kept.normals = path.normals(keep, Eigen::all);
-  kept.thickness = path.thickness(keep);
-  kept.width = path.width(keep);
-  path = std::move(kept);
+  path = path_through(path, keep);
 }
 
 }  // namespace s3

@@ -17,6 +17,17 @@ const char* path_kind_name(PathKind kind) {
   return "wall";
 }
 
+Path path_through(const Path& path, const std::vector<Eigen::Index>& points) {
+  Path result;
+  result.closed = path.closed;
+  result.kind = path.kind;
+  result.points = path.points(points, Eigen::all);
+  result.normals = path.normals(points, Eigen::all);
+  result.thickness = path.thickness(points);
+  result.width = path.width(points);
+  return result;
+}
+
 void ShareHistogram::add(double position, double weight) {
   const double bin = std::clamp(position, 0.0, 1.0) * static_cast<double>(kBins);
   bins[std::min(static_cast<std::size_t>(bin), kBins - 1)] += weight;

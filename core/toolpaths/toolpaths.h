@@ -23,6 +23,9 @@ struct Path {
   PathKind kind = PathKind::wall;
 };
 
+/// The path through some of a path's points, in the given order; kind and closing stay.
+Path path_through(const Path& path, const std::vector<Eigen::Index>& points);
+
 /// Area over a quantity in [0, 1], in equal bins: figures of layers add up to those of a stack.
 struct ShareHistogram {
   static constexpr std::size_t kBins = 360;
