@@ -2,7 +2,7 @@
 
 # Single-threaded with WebAssembly's own exceptions. (With -pthread these are never caught: that build needs
 # -fexceptions.)
-add_compile_options(-fwasm-exceptions)
+add_compile_options(-fwasm-exceptions -msimd128)
 add_link_options(-fwasm-exceptions -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=256MB -sMAXIMUM_MEMORY=4GB
   -sTOTAL_STACK=8MB)
 add_library(Threads::Threads INTERFACE IMPORTED)
