@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "metrics/svg_text.h"
 
 namespace s3 {
 namespace {
@@ -11,30 +12,6 @@ constexpr double kWidth = 720, kHeight = 400;
 constexpr double kLeft = 70, kRight = 700, kTop = 62, kBottom = 342;
 constexpr const char* kColors[] = {"#1f6fb4", "#e58a2c"};  // told apart by the colour-blind too
 constexpr const char* kFeasibleColor = "#dff0de";
-
-/// Shortest text of a number with at most three digits behind the point.
-std::string text_of(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3f", value);
-  std::string number = text;
-  number.erase(number.find_last_not_of('0') + 1);
-  if (number.back() == '.') number.pop_back();
-  return number == "-0" ? "0" : number;
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
 
 /// The largest of 1, 2, 5 × 10^k that gives at least about `wanted` steps.
 double tick_step(double range, double wanted) {
@@ -49,8 +26,9 @@ double tick_step(double range, double wanted) {
 class Plot {
  public:
   Plot(double x_min, double x_max, double y_max) : x_min_(x_min), x_max_(x_max), y_max_(y_max) {
-    svg_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + text_of(kWidth) + " " +
-           text_of(kHeight) + "\" width=\"" + text_of(kWidth) + "\" height=\"" + text_of(kHeight) +
+    svg_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + svg_number(kWidth) + " " +
+           svg_number(kHeight) + "\" width=\"" + svg_number(kWidth) + "\" height=\"" +
+           svg_number(kHeight) +
            "\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n";
     rect(0, 0, kWidth, kHeight, "#ffffff");
   }
@@ -61,28 +39,29 @@ class Plot {
   double y(double value) const { return kBottom - value / y_max_ * (kBottom - kTop); }
 
   void rect(double left, double top, double width, double height, const char* color) {
-    svg_ += "<rect x=\"" + text_of(left) + "\" y=\"" + text_of(top) + "\" width=\"" +
-            text_of(width) + "\" height=\"" + text_of(height) + "\" fill=\"" + color + "\"/>\n";
+    svg_ += "<rect x=\"" + svg_number(left) + "\" y=\"" + svg_number(top) + "\" width=\"" +
+            svg_number(width) + "\" height=\"" + svg_number(height) + "\" fill=\"" + color +
+            "\"/>\n";
   }
   void line(double x1, double y1, double x2, double y2, const char* color) {
-    svg_ += "<line x1=\"" + text_of(x1) + "\" y1=\"" + text_of(y1) + "\" x2=\"" + text_of(x2) +
-            "\" y2=\"" + text_of(y2) + "\" stroke=\"" + color + "\"/>\n";
+    svg_ += "<line x1=\"" + svg_number(x1) + "\" y1=\"" + svg_number(y1) + "\" x2=\"" +
+            svg_number(x2) + "\" y2=\"" + svg_number(y2) + "\" stroke=\"" + color + "\"/>\n";
   }
   void label(double at_x, double at_y, const std::string& text, const char* anchor,
              const char* more = "") {
-    svg_ += "<text x=\"" + text_of(at_x) + "\" y=\"" + text_of(at_y) + "\" text-anchor=\"" +
-            anchor + "\"" + more + ">" + escaped(text) + "</text>\n";
+    svg_ += "<text x=\"" + svg_number(at_x) + "\" y=\"" + svg_number(at_y) + "\" text-anchor=\"" +
+            anchor + "\"" + more + ">" + svg_escaped(text) + "</text>\n";
   }
   void circle(double at_x, double at_y, const char* color) {
-    svg_ += "<circle cx=\"" + text_of(at_x) + "\" cy=\"" + text_of(at_y) + "\" r=\"3\" fill=\"" +
-            color + "\"/>\n";
+    svg_ += "<circle cx=\"" + svg_number(at_x) + "\" cy=\"" + svg_number(at_y) +
+            "\" r=\"3\" fill=\"" + color + "\"/>\n";
   }
 
   void titles(const std::string& title, const std::string& x_label, const std::string& y_label) {
     label(kLeft, 24, title, "start", " font-size=\"16\" font-weight=\"bold\"");
     label((kLeft + kRight) / 2, kHeight - 14, x_label, "middle");
     const std::string turned =
-        " transform=\"rotate(-90 20 " + text_of((kTop + kBottom) / 2) + ")\"";
+        " transform=\"rotate(-90 20 " + svg_number((kTop + kBottom) / 2) + ")\"";
     label(20, (kTop + kBottom) / 2, y_label, "middle", turned.c_str());
   }
 
@@ -98,12 +77,12 @@ class Plot {
     constexpr double kRounding = 1e-9;
     for (double v = 0; v <= y_max_ * (1 + kRounding); v += y_step) {
       line(kLeft, y(v), kRight, y(v), "#e4e4e4");
-      label(kLeft - 8, y(v) + 4, text_of(v), "end");
+      label(kLeft - 8, y(v) + 4, svg_number(v), "end");
     }
     for (double v = std::ceil(x_min_ / x_step - kRounding) * x_step;
          v <= x_max_ + kRounding * x_step; v += x_step) {
       line(x(v), kBottom, x(v), kBottom + 5, "#444444");
-      label(x(v), kBottom + 19, text_of(v), "middle");
+      label(x(v), kBottom + 19, svg_number(v), "middle");
     }
     line(kLeft, kBottom, kRight, kBottom, "#444444");
   }
@@ -178,7 +157,8 @@ std::string curve_svg(const std::string& title, const std::string& x_label,
   out.svg() += std::string("<polyline fill=\"none\" stroke=\"") + kColors[0] +
                "\" stroke-width=\"2\" points=\"";
   for (std::size_t i = 0; i < values.size(); ++i)
-    out.svg() += text_of(out.x(1 + static_cast<double>(i))) + "," + text_of(out.y(values[i])) + " ";
+    out.svg() +=
+        svg_number(out.x(1 + static_cast<double>(i))) + "," + svg_number(out.y(values[i])) + " ";
   out.svg() += "\"/>\n";
   for (std::size_t i = 0; i < values.size(); ++i)
     out.circle(out.x(1 + static_cast<double>(i)), out.y(values[i]), kColors[0]);

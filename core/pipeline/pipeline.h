@@ -64,6 +64,9 @@ class Pipeline {
   bool is_done(Stage stage) const;
   /// Wall seconds that making and measuring the planar baseline took, part of the stage `metrics`.
   double planar_seconds() const { return planar_seconds_; }
+  /// The baseline of the comparison: planar layers of the same mesh, printed with the present
+  /// parameters. Needs tets, and the stress where the strength objective is on.
+  Print print_planar(Context& ctx) const;
 
  private:
   void read_model(Context& ctx);
@@ -81,7 +84,6 @@ class Pipeline {
   void plan_moves(Context& ctx);
   void write_programs(Context& ctx);
   void evaluate(Context& ctx);
-  Print print_planar(Context& ctx) const;
 
   struct Step {
     Stage stage;

@@ -11,6 +11,7 @@ namespace s3::cli {
 constexpr int kDone = 0, kInputWrong = 2, kSlicingFailed = 3, kCancelledCode = 130;
 
 int run_command(const RunOptions& options);
+int sweep_command(const SweepOptions& options);
 int inspect_command(const std::string& model, bool as_json);
 int schema_command();
 int evaluate_command(const std::string& folder);

@@ -22,7 +22,7 @@ bool is_result(const fs::path& path) {
   for (const char* name :
        {"report.json", "job.json", "fields.vtu", "waypoints.csv", "program.gcode", "program.script",
         "duet.gcode", "joints.csv", "support_free.svg", "surface_quality.svg", "strength.svg",
-        "thickness.svg", "residual.svg"})
+        "thickness.svg", "strain.svg", "residual.svg", "sweep.csv", "sweep.json", "sweep.svg"})
     if (path.filename() == name) return true;
   return false;
 }

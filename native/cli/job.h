@@ -21,6 +21,13 @@ struct RunOptions {
   std::string until;
 };
 
+struct SweepOptions {
+  RunOptions run;                    // without `until`
+  std::vector<std::string> weights;  // texts of triples; empty for a grid
+  int grid = 4;                      // steps along each side of the triangle
+  bool strain = false;               // print every triple and analyse its strain
+};
+
 /// Config files in their order, then flags, then the MODEL argument. Paths in a config file count
 /// from its folder; all paths become absolute, so that the job can be repeated from anywhere.
 /// @throws Error "params.…"

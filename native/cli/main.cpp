@@ -68,8 +68,49 @@ void check_extras(const CLI::App& command, const ParamList& list) {
                       "? `s3slice schema` lists all parameters");
     }
     throw Error(ErrorKind::input, Stage::mesh, "params.extra_argument",
-                "\"" + extra + "\" is one argument too many", "s3slice run takes one model");
+                "\"" + extra + "\" is one argument too many",
+                "s3slice " + command.get_name() + " takes one model");
   }
+}
+
+/// What every command that slices takes.
+void add_job_options(CLI::App& command, const ParamList& list, RunOptions& options) {
+  command.allow_extras();
+  command.add_option("MODEL", options.model,
+                     std::string("A surface as ") + kSurfaceFormats + ", or a volume mesh as " +
+                         kVolumeFormats + "; a job file may name it instead");
+  command.add_option("-o,--output", options.output, "Folder for the results");
+  command
+      .add_option("--config", options.configs,
+                  "Parameter file (JSON); a later one overrides the one before")
+      ->take_all()
+      ->expected(1);
+  command.add_flag("--quiet", options.quiet, "No progress and no summary");
+  command
+      .add_option("--threads", options.threads,
+                  "Number of threads; the results do not depend on it")
+      ->check(CLI::Range(1, 1024));
+  add_parameter_options(command, list, options);
+}
+
+CLI::App* add_sweep(CLI::App& app, const ParamList& list, SweepOptions& options) {
+  CLI::App* sweep = app.add_subcommand(
+      "sweep", "Figures of many triples of weights: sweep.csv, sweep.json, sweep.svg");
+  CLI::Option* weights =
+      sweep
+          ->add_option("--weights", options.weights,
+                       "Triples SF,SR,SQ, separated by semicolons or options of their own")
+          ->take_all()
+          ->expected(1);
+  sweep
+      ->add_option("--grid", options.grid,
+                   "Steps along each side of the triangle of weights (4: 15 triples)")
+      ->check(CLI::Range(1, 40))
+      ->excludes(weights);
+  sweep->add_flag("--strain", options.strain,
+                  "Also print every triple and analyse its strain: takes ten times as long");
+  add_job_options(*sweep, list, options.run);
+  return sweep;
 }
 
 int parse_and_run(int argc, char** argv) {
@@ -85,21 +126,10 @@ int parse_and_run(int argc, char** argv) {
 
   CLI::App* run =
       app.add_subcommand("run", "Slice a model: layers, toolpaths, waypoints, programs, report");
-  run->allow_extras();
-  run->add_option("MODEL", options.model,
-                  std::string("A surface as ") + kSurfaceFormats + ", or a volume mesh as " +
-                      kVolumeFormats + "; a job file may name it instead");
-  run->add_option("-o,--output", options.output, "Folder for the results");
-  run->add_option("--config", options.configs,
-                  "Parameter file (JSON); a later one overrides the one before")
-      ->take_all()
-      ->expected(1);
-  run->add_flag("--quiet", options.quiet, "No progress and no summary");
-  run->add_option("--threads", options.threads,
-                  "Number of threads; the results do not depend on it")
-      ->check(CLI::Range(1, 1024));
+  add_job_options(*run, list, options);
   run->add_option("--until", options.until, "Stop after this stage");
-  add_parameter_options(*run, list, options);
+  SweepOptions sweep_options;
+  CLI::App* sweep = add_sweep(app, list, sweep_options);
 
   CLI::App* inspect = app.add_subcommand(
       "inspect", "Report on a model file: size, holes, self-intersections, shells");
@@ -122,6 +152,10 @@ int parse_and_run(int argc, char** argv) {
   if (run->parsed()) {
     check_extras(*run, list);
     return run_command(options);
+  }
+  if (sweep->parsed()) {
+    check_extras(*sweep, list);
+    return sweep_command(sweep_options);
   }
   if (inspect->parsed()) return inspect_command(options.model, as_json);
   if (schema->parsed()) return schema_command();

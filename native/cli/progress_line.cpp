@@ -40,4 +40,15 @@ void ProgressLine::stage_done(const StageRecord& record) {
     std::fprintf(stderr, "  warning: %s [%s]\n", warning.message.c_str(), warning.code.c_str());
 }
 
+void ProgressLine::triple_done(const std::string& name, double cpu_seconds,
+                               const std::string& error) {
+  if (quiet_) return;
+  clear();
+  if (error.empty()) {
+    std::fprintf(stderr, "%-28s %8.2f CPU s\n", name.c_str(), cpu_seconds);
+  } else {
+    std::fprintf(stderr, "%-28s failed: %s\n", name.c_str(), error.c_str());
+  }
+}
+
 }  // namespace s3::cli

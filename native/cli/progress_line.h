@@ -1,6 +1,7 @@
 // Progress on stderr: one moving line on a terminal, one line a stage otherwise.
 #pragma once
 #include <chrono>
+#include <string>
 
 #include "base/stage.h"
 #include "pipeline/pipeline.h"
@@ -17,6 +18,8 @@ class ProgressLine {
   /// Redraws the line at most every 50 ms.
   void show(Stage stage, double fraction);
   void stage_done(const StageRecord& record);
+  /// @param error  why it has no figures; empty where it has
+  void triple_done(const std::string& name, double cpu_seconds, const std::string& error);
 
  private:
   void clear();
