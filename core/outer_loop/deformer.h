@@ -14,6 +14,7 @@ namespace s3 {
 
 struct DeformParams {
   std::string method = "refined";
+  std::string start = "planar";      // of the method paper with SR
   double rigidity = 1.0;             // w_r of Eq. 12
   double scale_compatibility = 6.0;  // w_c of Eq. 12
   double max_tilt_deg = 90;          // ∇G stays within this angle of z
@@ -28,6 +29,15 @@ void describe(Visitor& v, DeformParams& p) {
                                "itself; paper: the loop of the paper to its stop test.",
                         .choices = {"refined", "paper"},
                         .stage = Stage::outer_loop});
+  v(p.start, ParamInfo{.key = "deform.start",
+                       .label = "Start",
+                       .unit = "",
+                       .doc = "First print directions of the method paper where strength is on: "
+                              "planar, or heat: away from the plate along the solid (Sec. 5.4.1). "
+                              "Along struts under tension planar ends better.",
+                       .choices = {"planar", "heat"},
+                       .stage = Stage::outer_loop,
+                       .advanced = true});
   v(p.rigidity, ParamInfo{.key = "deform.rigidity",
                           .label = "Rigidity",
                           .unit = "",

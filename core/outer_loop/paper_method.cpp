@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/units.h"
 #include "deformation/foldover.h"
 #include "deformation/scale_controlled.h"
+#include "math/rotation.h"
 #include "outer_loop/residual.h"
 #include "quaternion_field/concavity_weights.h"
 #include "quaternion_field/quaternion_field.h"
 #include "quaternion_field/rotations_from_deformation.h"
+#include "scalar_field/heat_distance.h"
 #include "scalar_field/islands.h"
 
 namespace s3 {
@@ -79,6 +82,7 @@ class Loop {
         smooth_weight_(Values::Ones(rest.face_pairs.rows())) {
     current_.deformation = undeformed(rest);
     keep_scale_ = keep_scale(rest);
+    if (params.start == "heat" && objective_params.strength > 0) start_along_heat();
   }
 
   Iterate run(DeformResult& result) {
@@ -98,6 +102,19 @@ class Loop {
   }
 
  private:
+  // Sec. 5.4.1: the first print directions lead away from the plate along the solid. Not the
+  // default: struts are pulled along themselves, where SR wants layers along them; on topopt SR
+  // alone ends at 30 % of the critical tets instead of 54 %.
+  void start_along_heat() {
+    const FieldOperators operators(rest_, ctx_);
+    const Directions direction =
+        heat_directions(rest_, operators, find_anchors(rest_, objectives_), ctx_);
+    for (Index t = 0; t < rest_.tet_count(); ++t)
+      rotation_.row(t) = minimal_rotation(direction.row(t), build_direction()).coeffs().transpose();
+    align_signs(rest_, rotation_);
+    guessed_ = true;
+  }
+
   static bool stops(const std::vector<double>& history) {
     const double before = history[history.size() - 2], now = history.back();
     return std::abs(now - before) <= kStopChange * before;
@@ -121,8 +138,10 @@ class Loop {
     RotationField field;
     {
       const Stopwatch watch(timings.quaternion);
-      // Step (2)
-      rotation_ = rotations_from_deformation(rest_, current_.deformation.vertices, rotation_, ctx_);
+      // Step (2); nothing is deformed yet where the directions are a guess.
+      if (!std::exchange(guessed_, false))
+        rotation_ =
+            rotations_from_deformation(rest_, current_.deformation.vertices, rotation_, ctx_);
       // Step (3)
       adapt_smooth_weights();
       const QuaternionFieldParams inner{.tolerance = 1e-2, .conformal_weight = conformal_weight};
@@ -148,6 +167,7 @@ class Loop {
   Context& ctx_;
   ScaleControlledDeformer deformer_;
   Quats rotation_;
+  bool guessed_ = false;  // rotation_ is a guess of which no deformation knows
   Values smooth_weight_;
   double keep_scale_ = 1;
   double exponent_ = 0;  // p of Eq. 11; 0 before the first collision

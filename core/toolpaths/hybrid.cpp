@@ -22,7 +22,9 @@ constexpr double kShortest = 1.0;     // of w: lines shorter than this are left 
 /// Pieces of a layer inside of the walls that are wide enough for lines.
 struct InfillAreas {
   std::vector<Index> of_vertex;  // #V of WorkLayer::mesh, −1 outside
-  Index count = 0;
+  std::vector<Index> vertex;     // of each area: one of its vertices
+
+  Index count() const { return static_cast<Index>(vertex.size()); }
 };
 
 InfillAreas find_areas(const ContourPlan& plan, double width, int walls) {
@@ -48,27 +50,28 @@ InfillAreas find_areas(const ContourPlan& plan, double width, int walls) {
       }
     }
     if (deepest < (walls + 0.5 + kLeastInside) * width) continue;
-    for (const Index v : piece) areas.of_vertex[static_cast<std::size_t>(v)] = areas.count;
-    ++areas.count;
+    for (const Index v : piece) areas.of_vertex[static_cast<std::size_t>(v)] = areas.count();
+    areas.vertex.push_back(start);
   }
   return areas;
 }
 
-/// Triangles that touch an area, and those beside them.
-std::vector<char> triangles_of(const InfillAreas& areas, const SplitTriangles& even) {
-  std::vector<char> near(static_cast<std::size_t>(even.vertices), 0);
-  std::vector<char> keep(even.origin.size(), 0);
-  const auto grow = [&](const auto& touches) {
+/// The area of every triangle that touches one, and of those beside them; −1 for all others.
+std::vector<Index> areas_of_triangles(const InfillAreas& areas, const SplitTriangles& even) {
+  constexpr int kRings = 2;
+  std::vector<Index> of_vertex = areas.of_vertex;
+  std::vector<Index> of_triangle(even.origin.size(), -1);
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (Eigen::Index f = 0; f < even.triangles.rows(); ++f)
+      for (int k = 0; k < 3 && of_triangle[static_cast<std::size_t>(f)] < 0; ++k)
+        of_triangle[static_cast<std::size_t>(f)] =
+            of_vertex[static_cast<std::size_t>(even.triangles(f, k))];
     for (Eigen::Index f = 0; f < even.triangles.rows(); ++f)
       for (int k = 0; k < 3; ++k)
-        if (touches(even.triangles(f, k))) keep[static_cast<std::size_t>(f)] = 1;
-  };
-  grow([&](Index v) { return areas.of_vertex[static_cast<std::size_t>(v)] >= 0; });
-  for (Eigen::Index f = 0; f < even.triangles.rows(); ++f)
-    if (keep[static_cast<std::size_t>(f)])
-      for (int k = 0; k < 3; ++k) near[static_cast<std::size_t>(even.triangles(f, k))] = 1;
-  grow([&](Index v) { return near[static_cast<std::size_t>(v)] != 0; });
-  return keep;
+        if (Index& area = of_vertex[static_cast<std::size_t>(even.triangles(f, k))]; area < 0)
+          area = of_triangle[static_cast<std::size_t>(f)];
+  }
+  return of_triangle;
 }
 
 /// Beads between the inner edge of the walls and a vertex.
@@ -125,10 +128,13 @@ StripeAnchors anchor_at_walls(const StripeMesh& mesh, const Directions& line,
 /// a wall may come nearer to it than one that ends there: otherwise it would be cut into crumbs.
 class LineCutter {
  public:
-  LineCutter(const WorkLayer& layer, const StripeMesh& mesh, double width, int walls)
-      : layer_(layer), mesh_(mesh), width_(width), walls_(walls) {}
+  /// @param area  of each triangle of the mesh
+  LineCutter(const WorkLayer& layer, const StripeMesh& mesh, const std::vector<Index>& area,
+             double width, int walls)
+      : layer_(layer), mesh_(mesh), area_(area), width_(width), walls_(walls) {}
 
-  void cut(const StripeLine& line, std::vector<Path>& result) const {
+  /// @param result  the paths of each area
+  void cut(const StripeLine& line, std::vector<std::vector<Path>>& result) const {
     const std::size_t n = line.nodes.size(), pieces = line.triangles.size();
     std::vector<Sample> samples;
     for (const StripeLine::Node& node : line.nodes) samples.push_back(sample(node));
@@ -142,7 +148,7 @@ class LineCutter {
     }
     const auto outside = std::find(inside.begin(), inside.end(), 0);
     if (outside == inside.end()) {
-      result.push_back(make_path(samples, line.closed));
+      result[area_of(line.triangles.front())].push_back(make_path(samples, line.closed));
       return;
     }
     // A closed line is cut open where it is outside.
@@ -156,10 +162,10 @@ class LineCutter {
       if (inside[j]) {
         current.push_back(samples[j]);
       } else if (!current.empty()) {
-        finish(current, result);
+        finish(current, result[area_of(line.triangles[i])]);
       }
     }
-    finish(current, result);
+    finish(current, result[area_of(line.triangles[(start + pieces - 1) % n])]);
   }
 
  private:
@@ -167,6 +173,10 @@ class LineCutter {
     Vec3 point, normal;
     double thickness = 0;
   };
+
+  std::size_t area_of(Index triangle) const {
+    return static_cast<std::size_t>(area_[static_cast<std::size_t>(triangle)]);
+  }
 
   Sample sample(const StripeLine::Node& node) const {
     const auto [a, b] = mesh_.edges.ends[static_cast<std::size_t>(node.edge)];
@@ -259,6 +269,7 @@ class LineCutter {
 
   const WorkLayer& layer_;
   const StripeMesh& mesh_;
+  const std::vector<Index>& area_;
   double width_;
   int walls_;
 };
@@ -268,21 +279,27 @@ class LineCutter {
 void fill_with_lines(const LayerStress& stress, double width, int walls, ContourPlan& plan,
                      const Context& ctx) {
   const InfillAreas areas = find_areas(plan, width, walls);
-  std::vector<PlannedPath> kept, fences;
-  Index inside = -1;  // a vertex that the lines take the place of
+  std::vector<PlannedPath> kept;
+  std::vector<std::vector<Path>> fences(areas.vertex.size()), lines(areas.vertex.size());
+  bool any = false;
   for (PlannedPath& p : plan.paths) {
-    const bool replaced =
-        p.level >= walls && areas.of_vertex[static_cast<std::size_t>(p.inner_vertex)] >= 0;
-    if (replaced) inside = p.inner_vertex;
-    if (!replaced)
+    const Index area = areas.of_vertex[static_cast<std::size_t>(p.inner_vertex)];
+    if (p.level < walls || area < 0) {
       kept.push_back(std::move(p));
-    else if (p.level == walls && p.path.kind == PathKind::wall)
-      fences.push_back(std::move(p));
+      continue;
+    }
+    any = true;
+    if (p.level == walls && p.path.kind == PathKind::wall)
+      fences[static_cast<std::size_t>(area)].push_back(std::move(p.path));
   }
   plan.paths = std::move(kept);
-  if (inside < 0) return;
+  if (!any) return;
 
-  const StripeMesh mesh = make_stripe_mesh(plan.work, triangles_of(areas, plan.work.even));
+  std::vector<Index> area_of_triangle = areas_of_triangles(areas, plan.work.even);
+  std::vector<char> keep(area_of_triangle.size());
+  for (std::size_t f = 0; f < keep.size(); ++f) keep[f] = area_of_triangle[f] >= 0;
+  const StripeMesh mesh = make_stripe_mesh(plan.work, keep);
+  std::erase(area_of_triangle, -1);  // those of the mesh are left
   const Eigen::Index n = mesh.vertices.rows();
   Directions field =
       direction_field(mesh, stress, {Values::Zero(n), Directions::Zero(n, 3)}, {}, width, ctx);
@@ -290,17 +307,14 @@ void fill_with_lines(const LayerStress& stress, double width, int walls, Contour
                           field, width, ctx);
   const StripeAnchors anchors = anchor_at_walls(mesh, field, plan.work, width, walls);
   const StripePattern pattern = stripe_pattern(mesh, field, anchors, width, ctx);
-  const LineCutter cutter(plan.work, mesh, width, walls);
-  std::vector<Path> lines;
+  const LineCutter cutter(plan.work, mesh, area_of_triangle, width, walls);
   for (const StripeLine& line : trace_stripes(mesh, pattern)) cutter.cut(line, lines);
-
-  std::vector<const Path*> fence_paths;
-  fence_paths.reserve(fences.size());
-  for (const PlannedPath& fence : fences) fence_paths.push_back(&fence.path);
-  for (Path& path : join_stripes(lines, fence_paths, width)) {
-    simplify(path, kSimplifyPath * width);
-    plan.paths.push_back({std::move(path), static_cast<Index>(walls), inside});
-  }
+  // Area by area: what is printed next is what lies inside of the walls just laid.
+  for (std::size_t area = 0; area < lines.size(); ++area)
+    for (Path& path : join_stripes(lines[area], fences[area], width)) {
+      simplify(path, kSimplifyPath * width);
+      plan.paths.push_back({std::move(path), static_cast<Index>(walls), areas.vertex[area]});
+    }
 }
 
 }  // namespace s3

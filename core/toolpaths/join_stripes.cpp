@@ -23,10 +23,10 @@ struct FencePlace {
 
 class Fences {
  public:
-  Fences(const std::vector<const Path*>& paths, double width)
+  Fences(const std::vector<Path>& paths, double width)
       : paths_(paths), reach_(kOnFence * width), grid_(reach_ + 0.25 * width) {
     for (std::size_t k = 0; k < paths.size(); ++k) {
-      const Points& p = paths[k]->points;
+      const Points& p = paths[k].points;
       std::vector<double> along = {0};
       for (Eigen::Index i = 0; i < p.rows(); ++i) {
         const Vec3 a = p.row(i), b = p.row((i + 1) % p.rows());
@@ -50,7 +50,7 @@ class Fences {
     double best_squared = reach_ * reach_;
     grid_.visit(point, [&](Index g) {
       const auto [k, i] = owner_[static_cast<std::size_t>(g)];
-      const Points& p = paths_[static_cast<std::size_t>(k)]->points;
+      const Points& p = paths_[static_cast<std::size_t>(k)].points;
       const Vec3 a = p.row(i), ab = Vec3(p.row((i + 1) % p.rows())) - a;
       const double length2 = ab.squaredNorm();
       const double t = length2 > 0 ? std::clamp((point - a).dot(ab) / length2, 0.0, 1.0) : 0.0;
@@ -85,10 +85,10 @@ class Fences {
     return points;
   }
 
-  const Path& path(Index fence) const { return *paths_[static_cast<std::size_t>(fence)]; }
+  const Path& path(Index fence) const { return paths_[static_cast<std::size_t>(fence)]; }
 
  private:
-  const std::vector<const Path*>& paths_;
+  const std::vector<Path>& paths_;
   double reach_;
   PointGrid grid_;
   std::vector<std::array<Index, 2>> owner_;  // fence and segment of each grid point
@@ -128,7 +128,7 @@ struct PathBuilder {
 /// Ends are numbered 2·line and 2·line+1.
 class Joiner {
  public:
-  Joiner(const std::vector<Path>& lines, const std::vector<const Path*>& paths, double width)
+  Joiner(const std::vector<Path>& lines, const std::vector<Path>& paths, double width)
       : lines_(lines), fences_(paths, width), longest_(kLongestJoint * width) {
     for (const Path& line : lines) {
       const bool open = !line.closed && line.points.rows() > 1;
@@ -251,8 +251,8 @@ class Joiner {
 
 }  // namespace
 
-std::vector<Path> join_stripes(const std::vector<Path>& lines,
-                               const std::vector<const Path*>& fences, double width) {
+std::vector<Path> join_stripes(const std::vector<Path>& lines, const std::vector<Path>& fences,
+                               double width) {
   return Joiner(lines, fences, width).join();
 }
 

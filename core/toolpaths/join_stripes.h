@@ -12,7 +12,7 @@ namespace s3 {
 /// path.
 /// @param fences  closed paths along the walls, at half a bead's distance from them
 /// @return the joined paths; those without a partner unchanged
-std::vector<Path> join_stripes(const std::vector<Path>& lines,
-                               const std::vector<const Path*>& fences, double width);
+std::vector<Path> join_stripes(const std::vector<Path>& lines, const std::vector<Path>& fences,
+                               double width);
 
 }  // namespace s3

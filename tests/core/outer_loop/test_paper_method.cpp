@@ -141,3 +141,32 @@ TEST_CASE("a cancel stops the loop") {
   };
   CHECK_THROWS_AS(paper_method(rest, objectives, {}, {}, ctx), Cancelled);
 }
+
+TEST_CASE("the heat start finds layers across a bent bar at once, where planar ones have to turn") {
+  constexpr double r = 20, side = 4;
+  const TetMesh rest = test::make_grid(3, 3, 30, Vec3(side, side, radians(80)), [](const Vec3& p) {
+    const double own = r + 0.5 * side - p.x();
+    return Vec3(r - own * std::cos(p.z()), p.y(), own * std::sin(p.z()));
+  });
+  // Pulled across the bar, in the plane in which it is bent.
+  StressField stress;
+  stress.principal.resize(rest.tet_count(), 3);
+  stress.principal_value.setOnes(rest.tet_count());
+  for (Index t = 0; t < rest.tet_count(); ++t) {
+    const Vec3 c = rest.centroid(t);
+    stress.principal.row(t) = Vec3(c.x() - r, 0, c.z()).normalized();
+    if (c.z() > 3) stress.critical_tets.push_back(t);
+  }
+  const ObjectiveParams weights{.support_free = 0, .strength = 1};
+  const ObjectiveField objectives = make_objectives(rest, weights, &stress);
+  Context ctx;
+  const auto run = [&](const char* start) {
+    DeformParams params;
+    params.start = start;
+    return paper_method(rest, objectives, weights, params, ctx);
+  };
+  const DeformResult heat = run("heat"), planar = run("planar");
+  CHECK(heat.residual_history.front() < 0.5 * planar.residual_history.front());
+  CHECK(heat.residual_history.front() < radians(3));
+  CHECK(volume_shares(rest, heat.deformed).minCoeff() > 0);
+}

@@ -172,6 +172,42 @@ TEST_CASE(
   CHECK(100 * paths.covered_area / paths.area > 96);
 }
 
+TEST_CASE("repro: lines of one area were laid before the walls of that area") {
+  Context ctx;
+  const auto island = [](double x, double y, double at) {
+    return std::max(std::abs(x - at), std::abs(y)) - 7.5;
+  };
+  // Apart, and joined by a neck that is too narrow for a second wall: there the first is shared.
+  for (const double neck : {0.0, 1.2}) {
+    CAPTURE(neck);
+    const Job job("two islands",
+                  make_shape(
+                      [&](double x, double y) {
+                        const double both = std::min(island(x, y, -12), island(x, y, 12));
+                        return neck > 0
+                                   ? std::min(both, std::max(std::abs(y) - neck, std::abs(x) - 6))
+                                   : both;
+                      },
+                      -20, 20, -8, 8, 0.8),
+                  along_x);
+    const LayerPaths paths = hybrid_parallel(job.layer, job.stress, 1.0, 2, ctx);
+    int second_walls[2] = {0, 0}, lines[2] = {0, 0};
+    for (const Path& path : paths.paths) {
+      const double x = path.points.col(0).mean();
+      if (std::abs(x) < 5) continue;  // the shared wall, and what fills the neck
+      const int side = x > 0 ? 1 : 0;
+      // Every line finds both walls of its island around it.
+      if (path.kind == PathKind::infill) CHECK(second_walls[side] >= (neck > 0 ? 1 : 2));
+      if (path.kind == PathKind::wall) ++second_walls[side];
+      if (path.kind == PathKind::infill) ++lines[side];
+    }
+    for (const int side : {0, 1}) {
+      CHECK(lines[side] > 0);
+      CHECK(second_walls[side] == (neck > 0 ? 1 : 2));
+    }
+  }
+}
+
 TEST_CASE("a layer outside of S, and one too narrow for lines, stay contour-parallel") {
   Context ctx;
   const Job outside("square", make_rectangle(30, 30, 0.8), along_x,
