@@ -264,7 +264,9 @@ export class App {
 
   job(): Job {
     const { params, loads, loadFile, stress, profile } = this.settings;
-    return { params, loads: loads.regions.length > 0 ? loads : null, loadFile: loadFile?.text ?? null, stress, profile };
+    // Loads that are still being made would be refused.
+    const complete = loads.regions.length > 0 && loadProblems(loads).length === 0;
+    return { params, loads: complete ? loads : null, loadFile: loadFile?.text ?? null, stress, profile };
   }
 
   async sendJob(): Promise<void> {
@@ -377,7 +379,7 @@ export class App {
     this.engine = null;
     this.running = null;
     this.#emit('running');
-    this.fail(error, 'The slicing engine had to be started again');
+    this.#problem('The slicing engine had to be started again', error.message, error.hint);
     const now = performance.now();
     this.#crashes = this.#crashes.filter((time) => now - time < 30000);
     this.#crashes.push(now);
@@ -449,7 +451,7 @@ export class App {
 
   fail(error: unknown, title: string): void {
     if (error instanceof SliceError) {
-      if (error.kind === 'cancelled') return;
+      if (error.kind === 'cancelled' || error.code === 'engine.crashed') return;  // #onCrash() says it once
       this.#problem(title, error.message, error.hint, error.places, error.stage === 'mesh' ? 'file' : 'rest');
     } else {
       this.#problem(title, error instanceof Error ? error.message : String(error), '');
@@ -470,9 +472,9 @@ interface ProjectExtra {
   profile: Settings['profile'];
 }
 
-/** Share of `outer_loop` before each of its steps: the refinement of the field takes most of it. */
+/** Share of `outer_loop` before and after each of its steps: the refinement of the field takes most of it. */
 const STEP_RANGE: Record<string, [number, number]> = {
-  quaternion_field: [0, 0.3], deformation: [0.3, 0.45], scalar_field: [0.45, 1],
+  quaternion_field: [0, 0.15], deformation: [0.15, 0.15], scalar_field: [0.15, 1],
 };
 
 export function overallFraction(step: string, fraction: number): number {

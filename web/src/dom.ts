@@ -90,6 +90,8 @@ export function segmented<Value extends string>(
     for (const [one, button] of buttons) {
       button.setAttribute('aria-checked', String(one === value));
       button.tabIndex = one === value ? 0 : -1;
+      // In a row that is too narrow for all.
+      if (one === value && element.scrollWidth > element.clientWidth) element.scrollLeft = button.offsetLeft - element.clientWidth / 2 + button.offsetWidth / 2;
     }
   };
   for (const { value, text, title } of options) {

@@ -102,14 +102,14 @@ const modelPanel = makeModelPanel(app, tabs.panel('part'), EXAMPLES, {
 });
 makeGoalsPanel(app, tabs.panel('goals'), () => tabs.choose('loads'));
 makeSettingsPanel(app, tabs.panel('settings'));
-makeResultsPanel(app, tabs.panel('results'), {
+const results = makeResultsPanel(app, tabs.panel('results'), {
   async picture() {
     download(`${stem(app)}-${view.view}.png`, await view.viewer.picture(), 'image/png');
   },
   saveProject,
   mark: (places) => view.mark(places, 'rest'),
 });
-makeRunBar(app, at('runbar'));
+makeRunBar(app, at('runbar'), () => void results.saveProgram());
 makeMessages(app, at('messages'), (places, frame) => view.mark(places, frame));
 app.on('done', (stage) => { if (stage === 'metrics') tabs.choose('results'); });
 

@@ -77,7 +77,7 @@ export function makeTimeline(host: HTMLElement, events: { onrange(from: number, 
     showTime(last);
   }
   function showTime(at: number): void {
-    time.textContent = times.length > 0 ? `${printTime(times[at] ?? 0)} of ${printTime(times[times.length - 1] ?? 0)}` : '';
+    replace(time, printTime(times[at] ?? 0), h('span', { class: 'total' }, ` of ${printTime(times[times.length - 1] ?? 0)}`));
   }
   function setHead(at: number): void {
     head.value = String(at);

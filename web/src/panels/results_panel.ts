@@ -11,7 +11,11 @@ export interface ResultActions {
   mark(places: readonly Point[]): void;
 }
 
-export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultActions): void {
+/** Programs first: they are what a person came for. */
+const ORDER = ['program.gcode', 'duet.gcode', 'program.script', 'joints.csv', 'waypoints.csv', 'fields.vtu', 'stress.csv', 'report.json', 'job.json'];
+const rank = (name: string): number => (ORDER.indexOf(name) + ORDER.length + 1) % (ORDER.length + 1);
+
+export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultActions): { saveProgram(): Promise<void> } {
   const exports = h('section', { class: 'group' });
   const warnings = h('section', { class: 'group' });
   const table = h('section', { class: 'group' });
@@ -24,7 +28,8 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
     const turn = ++round;
     const infos = app.engine && app.model && app.has('mesh') && !app.running ? await app.exports().catch(() => []) : [];
     if (turn !== round) return;
-    const single = infos.filter((info) => !info.name.startsWith('layers/') && !info.name.endsWith('.svg'));
+    const single = infos.filter((info) => !info.name.startsWith('layers/') && !info.name.endsWith('.svg'))
+      .sort((a, b) => rank(a.name) - rank(b.name));
     const layers = infos.filter((info) => info.name.startsWith('layers/'));
     const button = (text: string, title: string, onclick: () => void, id?: string): HTMLElement =>
       h('button', { class: 'button', type: 'button', title, onclick, ...(id ? { 'data-export': id } : {}) }, icon('down'), text);
@@ -54,10 +59,13 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
     }
   }
 
+  let figures = 0;
   async function showFigures(): Promise<void> {
+    const turn = ++figures;
     const [metrics, curved, planar, deformation] = await Promise.all([
       app.result('metrics'), app.result('histogramData', 'curved'), app.result('histogramData', 'planar'), app.result('deformation'),
     ]);
+    if (turn !== figures) return;  // newer ones are on their way
     const rows = metrics ? metricRows(metrics.curved, metrics.planar) : [];
     replace(table, rows.length > 0 && h('h2', {}, 'Curved against planar'), rows.length > 0 && h('table', { class: 'metrics' },
       h('thead', {}, h('tr', {}, h('th', {}, ''), h('th', { scope: 'col' }, 'curved'), h('th', { scope: 'col' }, 'planar'))),
@@ -94,6 +102,13 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
     if (stage === 'outer_loop' || stage === 'layers' || stage === 'metrics') void showFigures();
   });
   void showFiles();
+  return {
+    /** The first program that the machine asks for. */
+    async saveProgram() {
+      const found = (await app.exports()).filter((info) => info.stage === 'export').sort((a, b) => rank(a.name) - rank(b.name))[0];
+      if (found) await save(found);
+    },
+  };
 }
 
 /** The model's name without its endings. */

@@ -3,6 +3,7 @@ import type { App } from '../app.ts';
 import { h, icon, replace } from '../dom.ts';
 import { bytes, seconds } from '../format.ts';
 import type { StageInfo } from '../../../wasm/index.js';
+import { STAGE_LABELS } from '../stage_labels.ts';
 
 /** Shares of a usual run, for the bar over all stages; measured on the bundled models. */
 const WEIGHTS: Record<string, number> = {
@@ -24,7 +25,7 @@ const STATE_TEXT: Record<StageInfo['state'], string> = {
   fresh: 'not run yet', running: 'running', done: 'done', stale: 'out of date', failed: 'failed',
 };
 
-export function makeRunBar(app: App, host: HTMLElement): void {
+export function makeRunBar(app: App, host: HTMLElement, saveProgram: () => void): void {
   const go = h('button', { class: 'button primary', type: 'button', id: 'slice', onclick: press });
   const bar = h('div', {});
   const progress = h('div', { class: 'bar', role: 'progressbar', 'aria-label': 'Progress of slicing', 'aria-valuemin': 0, 'aria-valuemax': 100 }, bar);
@@ -38,8 +39,10 @@ export function makeRunBar(app: App, host: HTMLElement): void {
   let force = false;
   replace(host, h('div', { class: 'go' }, go), progress, h('div', { class: 'status' }, status, disclosure), list);
 
+  const isFinished = (): boolean => app.stages.length > 0 && app.stages.every((stage) => stage.state === 'done');
   function press(): void {
-    if (!app.running || app.running.until === 'mesh') void app.slice();
+    if (!app.running && isFinished()) saveProgram();
+    else if (!app.running || app.running.until === 'mesh') void app.slice();
     else if (force) void app.forceStop();
     else app.cancel();
   }
@@ -56,12 +59,12 @@ export function makeRunBar(app: App, host: HTMLElement): void {
       force = false;
     }
     const obstacle = app.obstacle();
-    const finished = app.stages.length > 0 && app.stages.every((stage) => stage.state === 'done');
+    const finished = isFinished();
     const partly = app.stages.some((stage) => stage.stage !== 'mesh' && (stage.state === 'stale' || stage.state === 'done'));
-    go.textContent = running ? (force ? 'Stop now' : cancelling ? 'Cancelling…' : 'Cancel') : finished ? 'Sliced' : partly ? 'Slice again' : 'Slice';
+    go.textContent = running ? (force ? 'Stop now' : cancelling ? 'Cancelling…' : 'Cancel') : finished ? 'Save the program' : partly ? 'Slice again' : 'Slice';
     go.classList.toggle('primary', !running);
-    go.disabled = running ? cancelling && !force : obstacle !== '' || finished;
-    go.title = running ? (force ? 'Ends the engine at once; model and settings stay, results are lost' : 'Esc') : obstacle || 'Ctrl+Enter';
+    go.disabled = running ? cancelling && !force : obstacle !== '' && !finished;
+    go.title = running ? (force ? 'Ends the engine at once; model and settings stay, results are lost' : 'Esc') : finished ? 'The machine\'s program: G-code' : obstacle || 'Ctrl+Enter';
     tell(obstacle, finished);
     fillList();
   }
@@ -73,9 +76,9 @@ export function makeRunBar(app: App, host: HTMLElement): void {
     bar.style.transform = `scaleX(${shown})`;
     progress.setAttribute('aria-valuenow', String(Math.round(100 * shown)));
     if (running) {
-      const label = app.stages.find((stage) => stage.stage === running.stage)?.label ?? 'Starting';
+      const label = running.stage ? STAGE_LABELS[running.stage] : 'Starting';
       status.textContent = `${label}${running.until === 'mesh' ? '' : ` · ${Math.round(100 * fraction)} %`}`;
-    } else if (obstacle) {
+    } else if (obstacle && !finished) {
       status.textContent = obstacle;
     } else if (finished) {
       const total = app.stages.reduce((sum, stage) => sum + stage.seconds, 0);
@@ -92,7 +95,7 @@ export function makeRunBar(app: App, host: HTMLElement): void {
       const time = state === 'running' ? `${Math.round(100 * (app.running?.fraction ?? 0))} %` : stage.state === 'done' ? seconds(stage.seconds) : STATE_TEXT[stage.state];
       return h('li', { class: state, 'data-stage': stage.stage, 'data-state': state },
         h('i', { class: 'dot' }),
-        h('span', { class: 'label' }, stage.label, stage.warnings.length > 0 && stage.state === 'done' ? h('span', { class: 'muted' }, ` · ${stage.warnings.length} ⚠`) : null),
+        h('span', { class: 'label' }, STAGE_LABELS[stage.stage], stage.warnings.length > 0 && stage.state === 'done' ? h('span', { class: 'muted' }, ` · ${stage.warnings.length} ⚠`) : null),
         h('span', { class: 'time' }, time));
     }));
   }

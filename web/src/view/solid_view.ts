@@ -9,8 +9,10 @@ import type { Rgb } from '../color_maps.ts';
 
 export interface Cut {
   axis: 0 | 1 | 2;
-  /** mm; tets with their centroid beyond it are left out. */
+  /** mm: tets with their centroid on the other side are left out. */
   at: number;
+  /** Whether the lower side is kept. */
+  below: boolean;
 }
 
 /** rgb bytes of each tet or of each vertex. */
@@ -68,7 +70,7 @@ export class SolidView {
     const cut = this.#cut, mesh = this.#mesh!;
     if (!cut) return () => true;
     const centroids = (this.#centroids[cut.axis] ??= tetCentroids(mesh, cut.axis));
-    return (tet) => centroids[tet]! <= cut.at;
+    return (tet) => centroids[tet]! <= cut.at === cut.below;
   }
 
   #rebuild(): void {

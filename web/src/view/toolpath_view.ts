@@ -131,7 +131,7 @@ export class ToolpathView {
 
 /** Tip at the origin, pointing down; sizes in nozzle diameters. */
 function makeNozzle(): THREE.Mesh {
-  const profile = [[0, 0], [0.7, 0], [3.2, 5.5], [3.2, 8], [2.1, 8.2], [2.1, 12], [0, 12]].map(([x, y]) => new THREE.Vector2(x, y));
+  const profile = [[0, 0], [0.6, 0], [2, 4], [2, 6], [1.4, 6.1], [1.4, 9.5], [0, 9.5]].map(([x, y]) => new THREE.Vector2(x, y));
   const geometry = new THREE.LatheGeometry(profile, 24).rotateX(Math.PI / 2);
   return new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({ color: 0xc9a227, metalness: 0.35, roughness: 0.45, side: THREE.DoubleSide }));
 }

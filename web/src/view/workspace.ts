@@ -274,8 +274,10 @@ export class Workspace {
     const tets = this.#tets, display = this.#display;
     if (!tets) return;
     const { min, max } = this.viewer.box;
-    const axis = ({ off: null, x: 0, y: 1, z: 2 } as const)[display.cutAxis];
-    const cut = axis === null ? null : { axis, at: min[axis] + display.cutAt * (max[axis] - min[axis]) };
+    const axis = this.view === 'shape' ? null : ({ off: null, x: 0, y: 1, z: 2 } as const)[display.cutAxis];
+    // What stands between the camera and the cut is taken away.
+    const below = axis === null || axis === 2 || this.viewer.camera.position.getComponent(axis) > (min[axis] + max[axis]) / 2;
+    const cut = axis === null ? null : { axis, at: min[axis] + display.cutAt * (max[axis] - min[axis]), below };
     const deformation = this.#deformation;
     this.#solid.setDeformed(deformation?.deformed ?? null, deformation?.printDirections ?? null);
     this.#solid.setAmount(this.view === 'shape' ? display.deform : 0);

@@ -1,0 +1,256 @@
+// The page as a person uses it: drop, slice, look, cancel, crash, export, reload. Software rendering, small models.
+import assert from 'node:assert/strict';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { after, test } from 'node:test';
+import { blockStl, coarse, difference, drop, messages, open, openStl, pictures, pixels, prepared, root, shut, sliced } from './page.mjs';
+
+after(shut);
+const ring = () => readFileSync(`${root}models/ring.stl`);
+
+async function downloaded(page, click) {
+  const [download] = await Promise.all([page.waitForEvent('download', { timeout: 30000 }), click()]);
+  return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
+}
+
+/** Positions of a G-code program and what it extrudes. */
+function readGcode(text) {
+  const at = { X: 0, Y: 0, Z: 0 };
+  const moves = [];
+  let filament = 0;
+  for (const line of text.split('\n')) {
+    const words = line.split(';')[0].trim().split(/\s+/);
+    if (words[0] !== 'G1' && words[0] !== 'G0') continue;
+    for (const word of words.slice(1)) {
+      const value = Number(word.slice(1));
+      assert.ok(Number.isFinite(value), line);
+      if (word[0] in at) at[word[0]] = value;
+      if (word[0] === 'E') filament += value;
+    }
+    moves.push({ ...at });
+  }
+  return { moves, filament };
+}
+
+test('from drop to layers with one click, scrubbed and printed, exported and read again', { timeout: 240000 }, async (t) => {
+  const { page, complaints, close } = await open();
+  try {
+    const empty = await pixels(page);
+    await drop(page, 'ring.stl', ring());
+    await prepared(page);
+    assert.match(await page.locator('#panel-part').innerText(), /Closed and sound/);
+    await coarse(page);
+    await page.click('#slice');
+    await sliced(page);
+    assert.deepEqual(await messages(page), []);
+
+    // The layers are there: the view is not empty, and not the part's surface.
+    assert.equal(await page.evaluate(() => window.s3.workspace.view), 'layers');
+    const all = await pixels(page);
+    assert.ok(difference(empty, all) > 0.05, `${difference(empty, all)} of the picture differ from an empty view`);
+    await page.screenshot({ path: `${pictures}layers.png` });
+
+    // Scrubbing takes layers away.
+    const top = page.getByLabel('Last piece shown');
+    await top.focus();
+    await top.press('Home');
+    for (let i = 0; i < 5; ++i) await top.press('ArrowRight');
+    const few = await pixels(page);
+    assert.ok(difference(all, few) > 0.03, 'most layers are gone');
+    assert.ok(difference(empty, few) > 0.002, 'some are there');
+    await top.press('End');
+    assert.ok(difference(all, await pixels(page)) < 0.001, 'all layers are back');
+
+    // A click tells layer, thickness and angle.
+    const box = await page.locator('#canvas').boundingBox();
+    await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.78 * box.height);
+    assert.match(await page.locator('#info').innerText(), /Layer[\s\S]*Thickness[\s\S]*mm[\s\S]*Tilt/);
+
+    // The playhead prints along the path.
+    await page.getByRole('radio', { name: 'Toolpaths' }).click();
+    await page.getByLabel('Playhead along the toolpath').waitFor();
+    const paths = await pixels(page);
+    assert.ok(difference(empty, paths) > 0.05);
+    const shown = () => page.evaluate(() => window.s3.workspace.viewer.scene.children.some((child) => child.visible && child.children.some((one) => one.isMesh && one.visible && one.geometry.type === 'LatheGeometry')));
+    assert.equal(await shown(), false);
+    const head = page.getByLabel('Playhead along the toolpath');
+    await head.focus();
+    await head.press('Home');
+    for (let i = 0; i < 3; ++i) await head.press('PageUp');
+    assert.equal(await shown(), true, 'the nozzle is shown');
+    assert.ok(difference(paths, await pixels(page)) > 0.02);
+    await page.screenshot({ path: `${pictures}playhead.png` });
+
+    // Every view draws something, within the budget of draw calls.
+    const frames = {};
+    for (const view of ['Part', 'Mesh', 'Shape', 'Field', 'Layers', 'Toolpaths']) {
+      await page.getByRole('radio', { name: view, exact: true }).click();
+      await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name, view);
+      assert.ok(difference(empty, await pixels(page)) > 0.03, view);
+      frames[view] = await page.evaluate(() => ({ ...window.s3.workspace.viewer.figures }));
+      assert.ok(frames[view].drawCalls <= 60, `${view}: ${frames[view].drawCalls} draw calls`);
+    }
+    t.diagnostic(`draw calls: ${Object.entries(frames).map(([view, { drawCalls, lastMs }]) => `${view} ${drawCalls} in ${lastMs.toFixed(0)} ms`).join(', ')}`);
+
+    // The G-code that is downloaded holds what the waypoints say.
+    await page.getByRole('tab', { name: 'Results' }).click();
+    const { name, bytes } = await downloaded(page, () => page.click('[data-export="program.gcode"]'));
+    assert.equal(name, 'ring-program.gcode');
+    const program = readGcode(bytes.toString());
+    const waypoints = await page.evaluate(async () => {
+      const { count, extrusions } = await window.s3.app.result('waypoints', 'curved');
+      return { count, filament: extrusions.reduce((a, b) => a + b, 0) };
+    });
+    assert.ok(program.moves.length >= waypoints.count, `${program.moves.length} moves for ${waypoints.count} waypoints`);
+    assert.ok(Math.abs(program.filament - waypoints.filament) < 0.02 * waypoints.filament + 20, `${program.filament} mm of filament, ${waypoints.filament} in the waypoints`);
+    await page.locator('#panel-results svg.plot').nth(2).waitFor();
+    assert.match(await page.locator('#panel-results table').innerText(), /Support free/);
+
+    // Another number of walls touches toolpaths and what follows, nothing before.
+    await page.evaluate(() => window.s3.app.setParams({ 'toolpath.walls': 3 }));
+    await page.waitForFunction(() => window.s3.app.stages.find((stage) => stage.stage === 'toolpaths').state === 'stale');
+    const states = await page.evaluate(() => Object.fromEntries(window.s3.app.stages.map(({ stage, state }) => [stage, state])));
+    assert.deepEqual([states.mesh, states.tetrahedralize, states.outer_loop, states.layers, states.waypoints], ['done', 'done', 'done', 'done', 'stale']);
+    await page.keyboard.press('Control+z');
+    assert.equal(await page.evaluate(() => window.s3.app.param('toolpath.walls')), 2);
+    await page.keyboard.press('Control+Shift+z');
+    assert.equal(await page.evaluate(() => window.s3.app.param('toolpath.walls')), 3);
+    assert.deepEqual(complaints, []);
+  } finally {
+    await close();
+  }
+});
+
+test('a project reopens with model, settings and loads', { timeout: 120000 }, async () => {
+  const { page, complaints, close } = await open();
+  try {
+    await drop(page, 'block.stl', blockStl(30, 20, 15));
+    await prepared(page);
+    await coarse(page, { 'input.rotate': '90,0,0', 'objectives.gamma': 12.5 });
+    await page.getByRole('tab', { name: 'Loads' }).click();
+    await page.click('#add-fixed');
+    await page.click('#add-force');
+    await page.waitForFunction(() => !window.s3.app.running);
+    const before = await page.evaluate(() => ({ params: window.s3.app.settings.params, loads: window.s3.app.settings.loads }));
+    const project = await downloaded(page, () => page.keyboard.press('Control+s'));
+    assert.equal(project.name, 'block.s3.zip');
+
+    const other = await open();
+    try {
+      await drop(other.page, project.name, project.bytes);
+      await prepared(other.page);
+      const after = await other.page.evaluate(() => ({ params: window.s3.app.settings.params, loads: window.s3.app.settings.loads, model: window.s3.app.model.file }));
+      assert.equal(after.model.name, 'block.stl');
+      assert.deepEqual({ params: after.params, loads: after.loads }, before);
+      assert.deepEqual(await messages(other.page), []);
+    } finally {
+      await other.close();
+    }
+    assert.deepEqual(complaints, []);
+  } finally {
+    await close();
+  }
+});
+
+test('a run is cancelled, a killed worker is replaced; model and settings stay', { timeout: 180000 }, async (t) => {
+  const { page, close } = await open();
+  try {
+    await drop(page, 'ring.stl', ring());
+    await prepared(page);
+    await page.evaluate(() => window.s3.app.setParams({ 'mesh.target_tets': 60000 }));
+    await page.click('#slice');
+    await page.waitForFunction(() => window.s3.app.running?.stage === 'tetrahedralize', null, { timeout: 30000 });
+    await page.waitForTimeout(700);
+    const took = await page.evaluate(async () => {
+      const { app } = window.s3;
+      const begin = performance.now();
+      app.cancel();
+      await new Promise((resolve) => { const look = () => (app.running ? setTimeout(look, 5) : resolve()); look(); });
+      return performance.now() - begin;
+    });
+    t.diagnostic(`cancel was answered within ${took.toFixed(0)} ms`);
+    assert.deepEqual(await messages(page), []);
+    assert.equal(await page.evaluate(() => window.s3.app.stages.find((stage) => stage.stage === 'mesh').state), 'done');
+
+    // The worker is killed while it works.
+    await coarse(page);
+    await page.click('#slice');
+    await page.waitForFunction(() => window.s3.app.running?.stage === 'tetrahedralize', null, { timeout: 60000 });
+    const worker = page.workers().find((one) => one.url().includes('slicer_worker'));
+    void worker.evaluate(() => self.close()).catch(() => {});
+    await page.locator('.message.bad').waitFor({ timeout: 20000 });
+    assert.match((await messages(page)).join(), /engine/i);
+    await page.waitForFunction(() => window.s3.app.engine && !window.s3.app.running && window.s3.app.stages[0]?.state === 'done', null, { timeout: 30000 });
+    assert.equal(await page.evaluate(() => window.s3.app.model.file.name), 'ring.stl');
+    assert.equal(await page.evaluate(() => window.s3.app.param('mesh.target_tets')), 1500);
+    await page.click('#slice');
+    await sliced(page);
+  } finally {
+    await close();
+  }
+});
+
+test('without cross-origin isolation one thread slices; dirty and broken files are told apart', { timeout: 180000 }, async () => {
+  const { page, complaints, close } = await open({ isolation: false });
+  try {
+    assert.equal(await page.evaluate(() => window.crossOriginIsolated), false);
+    assert.equal(await page.evaluate(() => window.s3.app.engine.threads), 1);
+    await drop(page, 'broken.stl', Buffer.from('solid nothing\nfacet normal 0 0 x\n'));
+    await page.locator('.message.bad').waitFor();
+    assert.match((await messages(page)).join(), /broken\.stl/);
+    await drop(page, 'noise.3mf', Buffer.from(Array.from({ length: 999 }, (_, i) => (i * 7919) % 251)));
+    await page.waitForFunction(() => [...document.querySelectorAll('.message.bad')].some((one) => one.innerText.includes('noise.3mf')));
+
+    await drop(page, 'open.stl', openStl(20, 20, 20));
+    await prepared(page);
+    assert.match(await page.locator('#defects').innerText(), /3 open edges/);
+    await page.locator('#defects button').first().click();
+    await coarse(page);
+    await page.click('#slice');
+    await sliced(page);
+    assert.equal(await page.evaluate(() => window.s3.app.has('waypoints')), true);
+    writeFileSync(`${pictures}report.json`, JSON.stringify(await page.evaluate(() => window.s3.app.client.call('report')), null, 1));
+    assert.deepEqual(complaints, []);
+  } finally {
+    await close();
+  }
+});
+
+test('a host without headers gets threads by the service worker, and the page works offline', { timeout: 120000 }, async () => {
+  const { page, context, close } = await open({ isolation: false, serviceWorkers: 'allow' });
+  try {
+    await page.waitForFunction(() => window.crossOriginIsolated && window.s3?.app.engine, null, { timeout: 30000 });
+    assert.equal(await page.evaluate(() => navigator.serviceWorker.controller !== null), true);
+    await context.setOffline(true);
+    await page.reload();
+    await page.waitForFunction(() => window.s3?.app.engine, null, { timeout: 30000 });
+    await page.locator('.welcome [data-example="trio.stl"]').click();
+    await prepared(page);
+    assert.equal(await page.evaluate(() => window.s3.app.model.file.name), 'trio.stl');
+  } finally {
+    await close();
+  }
+});
+
+test('every control has a name; nothing is wider than the page', { timeout: 60000 }, async () => {
+  for (const [width, height, theme] of [[1280, 800, 'light'], [390, 844, 'dark']]) {
+    const { page, complaints, close } = await open({ width, height, theme });
+    try {
+      await page.locator('.welcome [data-example="trio.stl"]').click();
+      await prepared(page);
+      for (const tab of ['Part', 'Goals', 'Loads', 'Settings', 'Results']) {
+        await page.getByRole('tab', { name: tab }).click();
+        const nameless = await page.evaluate(() => [...document.querySelectorAll('button, input, select, [tabindex="0"]')].filter((element) => {
+          const text = element.getAttribute('aria-label') || element.getAttribute('title') || element.textContent.trim() || [...(element.labels ?? [])].map((label) => label.textContent.trim()).join('');
+          return !text;
+        }).map((element) => element.outerHTML.slice(0, 120)));
+        assert.deepEqual(nameless, [], tab);
+        const wide = await page.evaluate(() => [...document.querySelectorAll('.panels, .panels > :not([hidden])')].filter((element) => element.scrollWidth > element.clientWidth + 1).length + (document.documentElement.scrollWidth > innerWidth ? 1 : 0));
+        assert.equal(wide, 0, `${tab} at ${width}`);
+        await page.screenshot({ path: `${pictures}${tab.toLowerCase()}-${width}-${theme}.png` });
+      }
+      assert.deepEqual(complaints, []);
+    } finally {
+      await close();
+    }
+  }
+});
