@@ -1,10 +1,13 @@
 # What a build with em++ (Emscripten 3.1.6) needs; included where EMSCRIPTEN is set.
 
-# Single-threaded with WebAssembly's own exceptions. (With -pthread these are never caught: that build needs
-# -fexceptions.)
+option(S3_WASM_THREADS "WebAssembly: build with threads (pthreads over SharedArrayBuffer)" OFF)
+
 add_compile_options(-fwasm-exceptions -msimd128)
-add_link_options(-fwasm-exceptions -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=256MB -sMAXIMUM_MEMORY=4GB
-  -sTOTAL_STACK=8MB)
+add_link_options(-fwasm-exceptions -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=8MB)
+if(S3_WASM_THREADS)
+  add_compile_options(-pthread "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/emscripten/thread_exceptions.h>")
+  add_link_options(-pthread -Wno-pthreads-mem-growth)
+endif()
 add_library(Threads::Threads INTERFACE IMPORTED)
 
 # The header-only libraries of the system, and nothing else of its headers.

@@ -58,8 +58,8 @@ export interface StageInfo {
   state: StageState;
   /** Wall seconds of the last run. */
   seconds: number;
-  /** CPU seconds of all threads of the last run; of the calling thread's clock where there are no others. */
-  cpuSeconds: number;
+  /** CPU seconds of the last run; null before it, and with threads, where they cannot be measured. */
+  cpuSeconds: number | null;
   warnings: Warning[];
 }
 
@@ -116,8 +116,13 @@ export interface LoadOptions {
    * `dist/` beside index.js. Relative addresses count from the page or worker.
    */
   baseUrl?: string | URL;
-  /** The bytes of the .wasm file, where they are already there: nothing is fetched then. */
+  /** The bytes of the .wasm file, where they are already there: it is not fetched then. */
   wasmBinary?: ArrayBuffer | Uint8Array;
+  /**
+   * The memory to work in, for another limit than 4 GB: `new WebAssembly.Memory({initial: 1024, maximum: PAGES})`, at
+   * least 1024 pages of 64 kB, `shared` with threads.
+   */
+  memory?: WebAssembly.Memory;
 }
 
 /**
@@ -325,8 +330,9 @@ export interface Slicer {
 
   stages(): StageInfo[];
   /**
-   * Runs one unit: the first stage that is not done. The threads' cancel flag is cleared first.
-   * @throws {SlicerError} the stage is `failed`, earlier stages keep their results; `cancelled`: the stage is as before
+   * Runs one unit: the first stage that is not done.
+   * @throws {SlicerError} the stage is `failed`, earlier stages keep their results; `cancelled`: the stage is as before,
+   * and the cancel has been used up
    */
   advance(onProgress?: OnProgress): Advance;
   /** Runs every stage up to and including `last` that is not done, and lets events happen between the units. */
@@ -334,13 +340,16 @@ export interface Slicer {
   /** Runs everything that is not done. */
   run(options?: RunOptions): Promise<void>;
   /**
-   * Ends the running unit at its next checkpoint, or the run before its next unit. From the computing thread it can be
-   * called in callbacks and between units; from others, see cancelFlag.
+   * Ends the running unit at its next checkpoint, or the next advance() at once. From the computing thread it can be
+   * called in callbacks and between units; from others, see cancelFlag. Holds for all slicers of an engine.
    */
   cancel(): void;
+  /** Forgets a cancel that came too late to end anything. run() and runTo() begin with it. */
+  clearCancel(): void;
   /**
-   * One shared byte that other threads may set with `Atomics.store(flag, 0, 1)` to cancel the running unit; null where
-   * there is no SharedArrayBuffer (then only cancel() works: between units and in callbacks). Post it to the page once.
+   * One shared byte that other threads may set with `Atomics.store(flag, 0, 1)` to cancel the running unit. Post it to
+   * the page once: it stays the same for an engine's life. Null in the single-threaded artefact, whose memory nobody
+   * else can reach: there only cancel() works, between units and in callbacks.
    */
   readonly cancelFlag: Uint8Array | null;
 

@@ -38,6 +38,11 @@ std::optional<double> share_percent(const std::vector<WeightedValue>& angles, Pr
 
 }  // namespace
 
+FaceAngle face_angle(const Vec3& normal, const Vec3& direction) {
+  if (!(direction.squaredNorm() > 0)) return {180, 45};
+  return {angle_deg(normal, direction), to_axis_deg(normal, direction)};
+}
+
 LpdAngles lpd_angles(const TetMesh& rest, const ObjectiveField& objectives,
                      const StressField* stress, const Directions& print_direction) {
   LpdAngles angles;
@@ -47,9 +52,9 @@ LpdAngles lpd_angles(const TetMesh& rest, const ObjectiveField& objectives,
     const Vec3 n = objectives.face_normal.row(f);
     const Vec3 d = print_direction.row(rest.boundary_face_tet[i]);
     const double area = objectives.face_area(f);
-    const bool known = d.squaredNorm() > 0;
-    angles.support_free.push_back({known ? angle_deg(n, d) : 180, area});
-    angles.surface_quality.push_back({known ? to_axis_deg(n, d) : 45, area});
+    const FaceAngle angle = face_angle(n, d);
+    angles.support_free.push_back({angle.support_free_deg, area});
+    angles.surface_quality.push_back({angle.surface_quality_deg, area});
   }
   if (stress == nullptr) return angles;
   for (const Index t : stress->critical_tets) {

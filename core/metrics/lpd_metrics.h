@@ -23,6 +23,13 @@ struct LpdAngles {
       strength;  // angle between ±τ_max and the layer, in [0, 90]: best near 0°
 };
 
+/// How one face meets its layer, degrees; the worst of each kind where d = 0 (no direction).
+struct FaceAngle {
+  double support_free_deg;     // between n and d, in [0, 180]
+  double surface_quality_deg;  // between ±n and d, in [0, 90]
+};
+FaceAngle face_angle(const Vec3& normal, const Vec3& direction);
+
 /// Angles of all boundary faces off the plate, and of the critical tets.
 /// @param stress           may be null: then no tet is critical
 /// @param print_direction  #T×3 unit vectors. A zero row (no direction) counts as the worst angle

@@ -7,6 +7,7 @@
 #include "export/layers_ply.h"
 #include "export/stress_csv.h"
 #include "export/waypoint_csv.h"
+#include "params/param_visitors.h"
 
 namespace s3 {
 namespace {
@@ -53,20 +54,34 @@ std::string stress_in_file_frame(const Artifacts& a) {
 
 }  // namespace
 
-void write_stage_files(const Pipeline& pipeline, Stage stage, const FileSink& sink) {
+std::vector<OutputFile> stage_files(const Pipeline& pipeline, Stage stage) {
+  std::vector<OutputFile> files;
+  if (!pipeline.is_done(stage)) return files;
   const Artifacts& a = pipeline.artifacts();
-  if (stage == Stage::fea && a.load_cases && a.stress) sink("stress.csv", stress_in_file_frame(a));
+  const auto add = [&](std::string name, std::function<std::string()> content) {
+    files.push_back({std::move(name), stage, std::move(content)});
+  };
+  if (stage == Stage::fea && a.load_cases && a.stress)
+    add("stress.csv", [&a] { return stress_in_file_frame(a); });
   if (stage == Stage::outer_loop)
-    sink("fields.vtu",
-         write_fields_vtu(a.rest, a.deformation, a.stress ? &*a.stress : nullptr, a.file_order));
+    add("fields.vtu", [&a] {
+      return write_fields_vtu(a.rest, a.deformation, a.stress ? &*a.stress : nullptr, a.file_order);
+    });
   if (stage == Stage::layers)
     for (std::size_t i = 0; i < a.curved.layers.layers.size(); ++i)
-      sink(layer_file_name(i), write_layer_ply(a.curved.layers.layers[i]));
-  if (stage == Stage::waypoints) sink("waypoints.csv", write_waypoint_csv(a.curved.waypoints));
+      add(layer_file_name(i), [&a, i] { return write_layer_ply(a.curved.layers.layers[i]); });
+  if (stage == Stage::waypoints)
+    add("waypoints.csv", [&a] { return write_waypoint_csv(a.curved.waypoints); });
   if (stage == Stage::exporting)
-    for (const NamedFile& file : a.programs) sink(file.name, file.content);
+    for (const NamedFile& file : a.programs) add(file.name, [&file] { return file.content; });
   if (stage == Stage::metrics)
-    for (const SvgFile& file : a.plots) sink(file.name, file.text);
+    for (const SvgFile& file : a.plots) add(file.name, [&file] { return file.text; });
+  return files;
+}
+
+std::string job_json(const Pipeline& pipeline) {
+  Params params = pipeline.params();
+  return to_json(list_params(params));
 }
 
 std::string summary_table(const Pipeline& pipeline) {

@@ -2,18 +2,28 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "pipeline/pipeline.h"
 
 namespace s3 {
 
-/// Takes a file's name relative to OUTDIR ("layers/0003.ply") and its content.
-using FileSink = std::function<void(const std::string& name, const std::string& content)>;
+/// One file that can be written now.
+struct OutputFile {
+  std::string name;  // relative to OUTDIR: "layers/0003.ply"
+  Stage stage;       // whose result it is
+  std::function<std::string()> content;
+};
 
-/// Hands over the files that a stage's result goes into: stress.csv after fea (with a load case),
-/// fields.vtu after outer_loop, layers/NNNN.ply after layers, waypoints.csv after waypoints, the
-/// machine's programs after export, plots after metrics. Other stages have none.
-void write_stage_files(const Pipeline& pipeline, Stage stage, const FileSink& sink);
+/// The files that a stage's result goes into, in the order of writing: stress.csv after fea (with a
+/// load case), fields.vtu after outer_loop, layers/NNNN.ply after layers, waypoints.csv after
+/// waypoints, the machine's programs after export, plots after metrics. Other stages, and those
+/// that are not done, have none.
+/// @return refers to the pipeline, and holds until it runs or changes
+std::vector<OutputFile> stage_files(const Pipeline& pipeline, Stage stage);
+
+/// job.json: the effective configuration.
+std::string job_json(const Pipeline& pipeline);
 
 /// What the program knows and the pipeline does not.
 struct RunFigures {

@@ -31,6 +31,15 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// CPU seconds of all threads so far, where the C library counts them.
+std::optional<double> cpu_seconds() {
+#ifdef __EMSCRIPTEN_PTHREADS__
+  return std::nullopt;
+#else
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+#endif
+}
+
 /// d_max/d_min, rounded: thicknesses that grow together must not change it in the last digit, or
 /// the field would be made again.
 double thickness_ratio(const Params& params) {
@@ -57,6 +66,35 @@ StressField in_mesh_order(const StressField& file, const std::vector<Index>& fil
 constexpr double kPlanarHeight = 0.8;  // of the largest thickness
 
 }  // namespace
+
+std::string_view stage_label(Stage stage) {
+  switch (stage) {
+    case Stage::mesh:
+      return "Model";
+    case Stage::tetrahedralize:
+      return "Tetrahedra";
+    case Stage::fea:
+      return "Stress";
+    case Stage::objectives:
+      return "Objectives";
+    case Stage::outer_loop:
+      return "Print directions";
+    case Stage::layers:
+      return "Layers";
+    case Stage::toolpaths:
+      return "Toolpaths";
+    case Stage::waypoints:
+      return "Waypoints";
+    case Stage::motion:
+      return "Motion";
+    case Stage::exporting:
+      return "Programs";
+    case Stage::metrics:
+      return "Evaluation";
+    default:
+      return stage_name(stage);  // a step inside of another stage
+  }
+}
 
 const std::vector<Pipeline::Step>& Pipeline::steps() {
   static const std::vector<Step> kSteps = {
@@ -248,7 +286,7 @@ Error naming_model(const Error& error, const std::string& name) {
 }  // namespace
 
 Pipeline::Pipeline() {
-  for (const Step& step : steps()) stages_.push_back({step.stage, StageState::fresh, 0, 0, {}});
+  for (const Step& step : steps()) stages_.push_back({step.stage, StageState::fresh, 0, {}, {}});
 }
 
 void Pipeline::set_model(std::span<const std::byte> bytes, std::string file_name) {
@@ -317,7 +355,7 @@ void Pipeline::run_step(std::size_t position, Context& ctx) {
   record.state = StageState::running;
   ctx.warnings.clear();
   const auto start = Clock::now();
-  const std::clock_t cpu_start = std::clock();
+  const std::optional<double> cpu_start = cpu_seconds();
   try {
     ctx.progress(record.stage, 0);
     (this->*steps()[position].run)(ctx);
@@ -333,7 +371,7 @@ void Pipeline::run_step(std::size_t position, Context& ctx) {
     throw;
   }
   record.seconds = seconds_since(start);
-  record.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  if (cpu_start) record.cpu_seconds = *cpu_seconds() - *cpu_start;
   record.warnings = std::move(ctx.warnings);
   ctx.warnings.clear();
   record.state = StageState::done;

@@ -23,11 +23,15 @@ enum class StageState {
   failed
 };
 
+/// The name for people of a stage that the pipeline runs: "Print directions".
+std::string_view stage_label(Stage stage);
+
 struct StageRecord {
   Stage stage;
   StageState state = StageState::fresh;
-  double seconds = 0;      // wall, of the last run
-  double cpu_seconds = 0;  // of all threads
+  double seconds = 0;  // wall, of the last run
+  /// Of all threads; empty where that cannot be measured (WebAssembly with threads).
+  std::optional<double> cpu_seconds;
   std::vector<Warning> warnings;
 };
 
@@ -54,6 +58,9 @@ class Pipeline {
   bool advance(Context& ctx);
   /// Runs every stage up to and including `last` that is not done.
   void run_to(Stage last, Context& ctx);
+
+  std::span<const std::byte> model_bytes() const { return model_bytes_; }
+  const std::string& model_name() const { return model_name_; }
 
   /// The effective parameters: nothing left to be derived.
   const Params& params() const { return params_; }

@@ -6,18 +6,13 @@
 #include "mesh/orientation_json.h"
 #include "metrics/metrics_json.h"
 #include "pipeline/outputs.h"
+#include "pipeline/places_json.h"
 #include "tetrahedralize/quality.h"
 
 namespace s3 {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json places_json(const std::vector<Vec3>& places) {
-  Json json = Json::array();
-  for (const Vec3& place : places) json.push_back({place.x(), place.y(), place.z()});
-  return json;
-}
 
 Json input_json(const Pipeline& pipeline, const std::string& file) {
   const ModelInfo& model = pipeline.artifacts().model;
@@ -113,7 +108,8 @@ Json cpu_json(const Pipeline& pipeline) {
   Json json;
   for (const StageRecord& record : pipeline.stages())
     json[std::string(stage_name(record.stage))] =
-        record.state == StageState::done ? Json(record.cpu_seconds) : Json(nullptr);
+        record.state == StageState::done && record.cpu_seconds ? Json(*record.cpu_seconds)
+                                                               : Json(nullptr);
   return json;
 }
 

@@ -38,11 +38,6 @@ Stage last_stage(const Pipeline& pipeline, const std::string& name) {
               "there is no stage \"" + name + "\"", "--until takes one of " + known);
 }
 
-std::string job_json(const Pipeline& pipeline) {
-  Params params = pipeline.params();
-  return to_json(list_params(params));
-}
-
 }  // namespace
 
 int run_command(const RunOptions& options) {
@@ -68,10 +63,10 @@ int run_command(const RunOptions& options) {
       folder->remove_results();
       folder->write("job.json", job_json(pipeline));
     }
-    write_stage_files(pipeline, stage, [&](const std::string& name, const std::string& content) {
+    for (const OutputFile& file : stage_files(pipeline, stage)) {
       ctx.checkpoint();
-      folder->write(name, content);
-    });
+      folder->write(file.name, file.content());
+    }
     figures.export_seconds += seconds_since(export_start);
   }
   figures.peak_memory_mb = peak_memory_mb();

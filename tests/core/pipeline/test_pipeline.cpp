@@ -65,11 +65,11 @@ TEST_CASE("a volume mesh goes all the way to a program") {
   CHECK(*a.planar_metrics.support_volume_mm3 > 0);
   std::vector<std::string> names;
   for (const auto& record : pipeline.stages())
-    s3::write_stage_files(pipeline, record.stage,
-                          [&](const std::string& name, const std::string& content) {
-                            names.push_back(name);
-                            CHECK_MESSAGE(!content.empty(), name);
-                          });
+    for (const auto& file : s3::stage_files(pipeline, record.stage)) {
+      names.push_back(file.name);
+      CHECK(file.stage == record.stage);
+      CHECK_MESSAGE(!file.content().empty(), file.name);
+    }
   for (const char* name :
        {"fields.vtu", "layers/0000.ply", "waypoints.csv", "support_free.svg", "thickness.svg"})
     CHECK_MESSAGE(std::find(names.begin(), names.end(), name) != names.end(), name);
@@ -233,12 +233,10 @@ TEST_CASE("a load case gives stress in the placed frame, which a file of it give
         doctest::Approx(40.0 / 24).epsilon(1e-6));
   CHECK(computed.critical_tets.size() == static_cast<std::size_t>(0.3 * 576));
 
-  std::string csv;
-  s3::write_stage_files(pipeline, Stage::fea,
-                        [&](const std::string& name, const std::string& text) {
-                          CHECK(name == "stress.csv");
-                          csv = text;
-                        });
+  const auto files = s3::stage_files(pipeline, Stage::fea);
+  REQUIRE(files.size() == 1);
+  CHECK(files[0].name == "stress.csv");
+  const std::string csv = files[0].content();
   pipeline.set_load_case({}, "");
   pipeline.set_stress(bytes_of(csv), "stress.csv");
   pipeline.run_to(Stage::fea, ctx);
