@@ -297,6 +297,14 @@ val weighted(const std::vector<WeightedValue>& pairs, const Reals& reals) {
   return out;
 }
 
+val file_value(const InputFile& file) {
+  if (file.bytes.empty()) return val::null();
+  val out = val::object();
+  out.set("name", file.name);
+  out.set("bytes", bytes(file.bytes));
+  return out;
+}
+
 /// One pipeline with its files and settings.
 class Slicer {
  public:
@@ -346,22 +354,21 @@ class Slicer {
 
   val given_params() const { return parsed(params_json(given_)); }
   val params() const { return parsed(params_json(pipeline_.params())); }
-  val model() const {
+  val input_files() const {
     val out = val::object();
-    out.set("name", pipeline_.model_name());
-    const auto span = pipeline_.model_bytes();
-    out.set("bytes", typed_array("Uint8Array", reinterpret_cast<const unsigned char*>(span.data()),
-                                 span.size()));
+    out.set("model", file_value(pipeline_.model()));
+    out.set("stress", file_value(pipeline_.stress_file()));
+    out.set("loadCase", file_value(pipeline_.load_case_file()));
     return out;
   }
   val inspect() {
     return guarded([&] {
-      return parsed(inspect_model(pipeline_.model_bytes(), pipeline_.model_name(), engine_.ctx));
+      return parsed(inspect_model(pipeline_.model().bytes, pipeline_.model().name, engine_.ctx));
     });
   }
   val file_surface() {
     return guarded([&] {
-      ModelFile file = read_model(pipeline_.model_bytes(), pipeline_.model_name());
+      ModelFile file = read_model(pipeline_.model().bytes, pipeline_.model().name);
       val out = val::object();
       if (file.is_volume) {
         const TetMesh mesh = make_tet_mesh(std::move(file.vertices), std::move(file.tets));
@@ -657,7 +664,7 @@ class Slicer {
     for (const StageRecord& record : pipeline_.stages())
       if (record.state == StageState::done) seconds += record.seconds;
     RunFigures figures;
-    figures.model_file = pipeline_.model_name();
+    figures.model_file = pipeline_.model().name;
     figures.threads = engine_.ctx.pool.threads();
     figures.peak_memory_mb = memory_bytes() / (1 << 20);
     figures.total_seconds = seconds;
@@ -694,7 +701,7 @@ EMSCRIPTEN_BINDINGS(s3slicer) {
       .function("setMachineProfile", &Slicer::set_machine_profile)
       .function("givenParams", &Slicer::given_params)
       .function("params", &Slicer::params)
-      .function("model", &Slicer::model)
+      .function("inputFiles", &Slicer::input_files)
       .function("inspect", &Slicer::inspect)
       .function("fileSurface", &Slicer::file_surface)
       .function("stages", &Slicer::stages)

@@ -291,8 +291,13 @@ export interface PrintOptions extends ArrayOptions {
 }
 export type Reals = Float32Array | Float64Array;
 
+export interface InputFile {
+  name: string;
+  bytes: Uint8Array;
+}
+
 export interface Slicer {
-  // --- input. Each marks stale what depends on it, and nothing else.
+  // --- input. Each marks stale what depends on a change, and nothing where nothing changes.
 
   /** The model file, in any format that the core reads (STL, OBJ, PLY, 3MF, OFF, .tet, .msh, VTU; also gzipped). */
   setModel(bytes: Bytes, fileName: string): void;
@@ -322,6 +327,8 @@ export interface Slicer {
   givenParams(): Params;
   /** The effective parameters, nested: nothing left to be derived. As job.json. */
   params(): Params;
+  /** Copies of the files that were set, also by openProject(); null where there is none. */
+  inputFiles(): { model: InputFile | null; loadCase: InputFile | null; stress: InputFile | null };
   schema(): JsonSchema;
   /** The model that was set, as Engine.inspect(). */
   inspect(): Inspection;

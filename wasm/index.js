@@ -28,7 +28,7 @@ export async function load(options = {}) {
   const script = new URL(`${name}.mjs`, base).href;
   try {
     const wasmBinary = options.wasmBinary ?? (isNode ? await readLocalFile(new URL(`${name}.wasm`, base)) : undefined);
-    const workers = isNode && threads > 1 ? await import('./node_threads.js') : null;
+    const workers = isNode && threads > 1 ? await nodeModule('./node_threads.js') : null;
     workers?.provide();
     const { default: create } = await import(/* webpackIgnore: true */ /* @vite-ignore */ script);
     const module = await create({
@@ -60,14 +60,22 @@ async function threadCount(wanted) {
     throw usageError('There are no threads here: the page is not cross-origin isolated');
   if (wanted !== undefined) return wanted;
   if (!threadsAvailable()) return 1;
-  const processors = isNode ? (await import('node:os')).availableParallelism() : navigator.hardwareConcurrency;
+  const processors = isNode ? (await nodeModule('node:os')).availableParallelism() : navigator.hardwareConcurrency;
   return Math.max(1, Math.min(processors || 1, MOST_THREADS));
 }
 
 /** @param {URL} url */
 async function readLocalFile(url) {
   if (url.protocol !== 'file:') return undefined;
-  return (await import('node:fs/promises')).readFile(url);
+  return (await nodeModule('node:fs/promises')).readFile(url);
+}
+
+/**
+ * What exists in Node only: hidden from bundlers.
+ * @param {string} name
+ */
+function nodeModule(name) {
+  return import(/* webpackIgnore: true */ /* @vite-ignore */ name);
 }
 
 function pageAddress() {
@@ -96,6 +104,12 @@ function asBytes(bytes, what) {
 function asText(value, what) {
   if (typeof value !== 'string') throw usageError(`${what} must be a string`);
   return value;
+}
+
+/** @param {import('./index.d.ts').Bytes | string | object} json */
+function bytesOfJson(json) {
+  if (json instanceof Uint8Array || json instanceof ArrayBuffer) return asBytes(json, 'JSON');
+  return new TextEncoder().encode(typeof json === 'string' ? json : JSON.stringify(json));
 }
 
 /**
@@ -253,10 +267,6 @@ class Slicer {
   #native;
   /** @type {Map<string, string>} */
   #profiles = new Map();
-  /** @type {{name: string, bytes: Uint8Array} | null} */
-  #stress = null;
-  /** @type {{name: string, bytes: Uint8Array} | null} */
-  #loadCase = null;
 
   /**
    * @param {Engine} engine
@@ -286,21 +296,18 @@ class Slicer {
    * @param {string} [fileName]
    */
   setStress(bytes, fileName = 'stress.csv') {
-    const file = bytes === null ? null : { name: asText(fileName, 'The file name'), bytes: asBytes(bytes, 'The stress').slice() };
-    this.#call((native) => native.setStress(file?.bytes ?? new Uint8Array(0), file?.name ?? ''));
-    this.#stress = file;
+    const array = bytes === null ? new Uint8Array(0) : asBytes(bytes, 'The stress');
+    const name = bytes === null ? '' : asText(fileName, 'The file name');
+    this.#call((native) => native.setStress(array, name));
   }
   /**
    * @param {import('./index.d.ts').Bytes | string | object | null} loadCase
    * @param {string} [fileName]
    */
   setLoadCase(loadCase, fileName = 'loads.json') {
-    const isBytes = loadCase instanceof Uint8Array || loadCase instanceof ArrayBuffer;
-    const text = typeof loadCase === 'string' ? loadCase : JSON.stringify(loadCase);
-    const bytes = isBytes ? asBytes(loadCase, 'The load case').slice() : new TextEncoder().encode(text);
-    const file = loadCase === null ? null : { name: asText(fileName, 'The file name'), bytes };
-    this.#call((native) => native.setLoadCase(file?.bytes ?? new Uint8Array(0), file?.name ?? ''));
-    this.#loadCase = file;
+    const array = loadCase === null ? new Uint8Array(0) : bytesOfJson(loadCase);
+    const name = loadCase === null ? '' : asText(fileName, 'The file name');
+    this.#call((native) => native.setLoadCase(array, name));
   }
   /** @param {import('./index.d.ts').Params} params */
   setParams(params) {
@@ -329,6 +336,9 @@ class Slicer {
   }
   schema() {
     return this.#engine.schema();
+  }
+  inputFiles() {
+    return this.#call((native) => native.inputFiles());
   }
   inspect() {
     return this.#call((native) => native.inspect());
@@ -445,11 +455,11 @@ class Slicer {
 
   saveProject(extra = null) {
     const params = this.givenParams();
+    const files = this.inputFiles();
+    if (files.model === null) throw usageError('A project needs a model');
     return packProject({
       params,
-      model: this.#call((native) => native.model()),
-      stress: this.#stress,
-      loadCase: this.#loadCase,
+      ...files,
       machine: this.#profiles.get(params.machine) ?? null,
       extra,
     });

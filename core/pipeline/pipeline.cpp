@@ -109,11 +109,11 @@ const std::vector<Pipeline::Step>& Pipeline::steps() {
 }
 
 void Pipeline::read_model(Context& ctx) {
-  if (model_bytes_.empty())
-    throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file", model_name_ + " is empty",
+  if (model_.bytes.empty())
+    throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file", model_.name + " is empty",
                 std::string("give a surface as ") + kSurfaceFormats + ", or a volume mesh as " +
                     kVolumeFormats);
-  ModelFile file = s3::read_model(model_bytes_, model_name_);
+  ModelFile file = s3::read_model(model_.bytes, model_.name);
   ctx.checkpoint();
   for (Warning& warning : file.warnings) ctx.warnings.push_back(std::move(warning));
   artifacts_.model = {};
@@ -144,20 +144,20 @@ void Pipeline::find_stress(Context& ctx) {
   Artifacts& a = artifacts_;
   a.stress.reset();
   a.load_cases.reset();
-  if (!params_.strength.load_case.empty() && load_case_bytes_.empty())
+  if (!params_.strength.load_case.empty() && load_case_file_.bytes.empty())
     throw Error(ErrorKind::input, Stage::fea, "fea.no_load_case",
                 "strength.load_case names " + params_.strength.load_case +
                     ", which was not given or is empty",
                 "give the file's content, see models/*.load.json for examples");
-  if (!load_case_bytes_.empty() && !stress_bytes_.empty())
+  if (!load_case_file_.bytes.empty() && !stress_file_.bytes.empty())
     throw Error(ErrorKind::input, Stage::fea, "fea.two_sources",
                 "strength.load_case and strength.stress_file are both set",
                 "compute the stress from the load case or import it, not both");
-  if (!load_case_bytes_.empty()) {
-    a.load_cases = read_load_cases(load_case_bytes_, load_case_name_);
+  if (!load_case_file_.bytes.empty()) {
+    a.load_cases = read_load_cases(load_case_file_.bytes, load_case_file_.name);
     if (!analysed_) analysed_ = analyse_stress(a.rest, *a.load_cases, ctx);
     a.stress = analysed_;
-  } else if (!stress_bytes_.empty()) {
+  } else if (!stress_file_.bytes.empty()) {
     a.stress = imported_stress();
   } else if (params_.objectives.strength > 0) {
     throw Error(ErrorKind::input, Stage::fea, "fea.no_stress",
@@ -173,8 +173,9 @@ void Pipeline::find_stress(Context& ctx) {
 }
 
 StressField Pipeline::imported_stress() const {
-  const StressField in_file_order = read_stress(
-      stress_bytes_, stress_name_, artifacts_.rest.tet_count(), params_.strength.critical_ratio);
+  const StressField in_file_order =
+      read_stress(stress_file_.bytes, stress_file_.name, artifacts_.rest.tet_count(),
+                  params_.strength.critical_ratio);
   StressField stress = in_mesh_order(in_file_order, artifacts_.file_order.tets);
   rotate_stress(stress, artifacts_.placement.rotation());
   return stress;
@@ -283,6 +284,15 @@ Error naming_model(const Error& error, const std::string& name) {
   return {error.kind, error.stage, error.code, name + ": " + said, error.hint, error.where};
 }
 
+/// @return false if `file` is what is given already
+bool replace(InputFile& file, std::span<const std::byte> bytes, std::string name) {
+  if (std::equal(bytes.begin(), bytes.end(), file.bytes.begin(), file.bytes.end()) &&
+      name == file.name)
+    return false;
+  file = {std::move(name), {bytes.begin(), bytes.end()}};
+  return true;
+}
+
 }  // namespace
 
 Pipeline::Pipeline() {
@@ -290,23 +300,15 @@ Pipeline::Pipeline() {
 }
 
 void Pipeline::set_model(std::span<const std::byte> bytes, std::string file_name) {
-  model_bytes_.assign(bytes.begin(), bytes.end());
-  model_name_ = std::move(file_name);
-  mark_stale(Stage::mesh);
+  if (replace(model_, bytes, std::move(file_name))) mark_stale(Stage::mesh);
 }
 
 void Pipeline::set_stress(std::span<const std::byte> bytes, std::string file_name) {
-  stress_bytes_.assign(bytes.begin(), bytes.end());
-  stress_name_ = std::move(file_name);
-  mark_stale(Stage::fea);
+  if (replace(stress_file_, bytes, std::move(file_name))) mark_stale(Stage::fea);
 }
 
 void Pipeline::set_load_case(std::span<const std::byte> bytes, std::string file_name) {
-  if (std::equal(bytes.begin(), bytes.end(), load_case_bytes_.begin(), load_case_bytes_.end()) &&
-      file_name == load_case_name_)
-    return;
-  load_case_bytes_.assign(bytes.begin(), bytes.end());
-  load_case_name_ = std::move(file_name);
+  if (!replace(load_case_file_, bytes, std::move(file_name))) return;
   analysed_.reset();
   mark_stale(Stage::fea);
 }
@@ -365,7 +367,7 @@ void Pipeline::run_step(std::size_t position, Context& ctx) {
     throw;
   } catch (const Error& error) {
     record.state = StageState::failed;
-    throw naming_model(error, model_name_);
+    throw naming_model(error, model_.name);
   } catch (...) {
     record.state = StageState::failed;
     throw;

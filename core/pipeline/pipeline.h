@@ -35,14 +35,20 @@ struct StageRecord {
   std::vector<Warning> warnings;
 };
 
+/// A file that was given; without bytes there is none.
+struct InputFile {
+  std::string name;
+  std::vector<std::byte> bytes;
+};
+
 class Pipeline {
  public:
   Pipeline();
 
-  /// The model file. Makes everything stale.
+  /// The model file. Makes everything stale, unless it is the file that was there.
   void set_model(std::span<const std::byte> bytes, std::string file_name);
   /// The file of strength.stress_file; empty bytes for none. Makes the stress and what follows
-  /// stale.
+  /// stale, unless it is the file that was there.
   void set_stress(std::span<const std::byte> bytes, std::string file_name);
   /// The file of strength.load_case; empty bytes for none. Makes the stress and what follows stale,
   /// unless it is the file that was there.
@@ -59,8 +65,9 @@ class Pipeline {
   /// Runs every stage up to and including `last` that is not done.
   void run_to(Stage last, Context& ctx);
 
-  std::span<const std::byte> model_bytes() const { return model_bytes_; }
-  const std::string& model_name() const { return model_name_; }
+  const InputFile& model() const { return model_; }
+  const InputFile& stress_file() const { return stress_file_; }
+  const InputFile& load_case_file() const { return load_case_file_; }
 
   /// The effective parameters: nothing left to be derived.
   const Params& params() const { return params_; }
@@ -100,8 +107,7 @@ class Pipeline {
   void mark_stale(Stage first);
   void run_step(std::size_t position, Context& ctx);
 
-  std::vector<std::byte> model_bytes_, stress_bytes_, load_case_bytes_;
-  std::string model_name_, stress_name_, load_case_name_;
+  InputFile model_, stress_file_, load_case_file_;
   Params params_;
   MachineProfile machine_;
   Artifacts artifacts_;

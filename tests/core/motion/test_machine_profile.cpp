@@ -2,9 +2,12 @@
 
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "base/error.h"
 #include "base/units.h"
 #include "motion/machine_profile.h"
+#include "motion/machine_profile_json.h"
 
 using namespace s3;
 
@@ -67,5 +70,30 @@ TEST_CASE("a wrong profile is refused with key, value and range") {
     CAPTURE(c.json);
     CHECK_THROWS_WITH_AS(parse_machine_profile(c.json, "file.json"), doctest::Contains(c.names),
                          Error);
+  }
+}
+
+TEST_CASE("a profile written as JSON reads back as the same machine") {
+  for (const std::string& name : bundled_machines()) {
+    CAPTURE(name);
+    const MachineProfile m = bundled_machine(name);
+    const std::string text = to_json(m).dump();
+    const MachineProfile back = parse_machine_profile(text, "profile.json");
+    CHECK(back.name == m.name);
+    CHECK(back.description == m.description);
+    CHECK(back.kinematics == m.kinematics);
+    CHECK(back.max_tilt == doctest::Approx(m.max_tilt).epsilon(1e-12));
+    CHECK(back.head_cone_angle == doctest::Approx(m.head_cone_angle).epsilon(1e-12));
+    CHECK(back.pivot == m.pivot);
+    for (const auto axis : {&MachineProfile::x, &MachineProfile::z, &MachineProfile::a,
+                            &MachineProfile::b, &MachineProfile::c}) {
+      CHECK((back.*axis).min == doctest::Approx((m.*axis).min).epsilon(1e-12));
+      CHECK((back.*axis).max == doctest::Approx((m.*axis).max).epsilon(1e-12));
+      CHECK((back.*axis).speed == doctest::Approx((m.*axis).speed).epsilon(1e-12));
+    }
+    CHECK(back.filament_density == m.filament_density);
+    CHECK(back.programs == m.programs);
+    CHECK(back.start_gcode == m.start_gcode);
+    CHECK(back.end_gcode == m.end_gcode);
   }
 }

@@ -9,7 +9,9 @@
 #include "base/error.h"
 #include "grid_mesh.h"
 #include "mesh/write_mesh.h"
+#include "pipeline/face_angles.h"
 #include "pipeline/outputs.h"
+#include "quaternion_field/concavity_weights.h"
 
 namespace {
 
@@ -293,4 +295,60 @@ TEST_CASE("with a load case the report compares the strain of curved and planar 
     CHECK(metrics->strain->p999 >= metrics->strain->mean);
     CHECK(metrics->strain->max >= metrics->strain->p999);
   }
+}
+
+TEST_CASE("flags on faces and gouging places say what the metrics count") {
+  auto pipeline = ready_pipeline();
+  s3::Context ctx;
+  pipeline.run_to(Stage::metrics, ctx);
+  const auto& a = pipeline.artifacts();
+  const auto share = [&](const std::vector<char>& flags) {
+    double flagged = 0, total = 0;
+    for (std::size_t f = 0; f < flags.size(); ++f) {
+      if (a.objectives.face_exempt[f]) {
+        CHECK(flags[f] == 0);
+        continue;
+      }
+      const double area = a.objectives.face_area(static_cast<Eigen::Index>(f));
+      total += area;
+      if (flags[f]) flagged += area;
+    }
+    return 100 * flagged / total;
+  };
+  const auto curved = s3::face_angles(a, pipeline.params(), a.deformation.field.print_direction);
+  const auto planar =
+      s3::face_angles(a, pipeline.params(), s3::upright_directions(a.rest.tet_count()));
+  CHECK(share(curved.overhang) ==
+        doctest::Approx(100 - *a.curved_metrics.support_free_area_percent));
+  CHECK(share(planar.overhang) ==
+        doctest::Approx(100 - *a.planar_metrics.support_free_area_percent));
+  CHECK(share(planar.overhang) > 1);
+  CHECK(share(curved.stairs) ==
+        doctest::Approx(100 - *a.curved_metrics.surface_quality_area_percent));
+
+  s3::MachineProfile narrow = machine();
+  narrow.head_cone_angle = 3.1;  // rad: almost flat, so that any valley counts
+  const auto places = s3::gouging_places(a, narrow);
+  REQUIRE(places.pairs.rows() > 0);
+  CHECK(places.pairs.rows() ==
+        s3::gouging_pairs(s3::concave_angles(a.rest, a.deformation.field.print_direction),
+                          narrow.head_cone_angle));
+  for (Eigen::Index i = 0; i < places.pairs.rows(); ++i) {
+    CHECK(places.concave_deg[i] > places.clearance_deg);
+    const s3::Vec3 between =
+        0.5 * (a.rest.centroid(places.pairs(i, 0)) + a.rest.centroid(places.pairs(i, 1)));
+    CHECK((s3::Vec3(places.places.row(i)) - between).norm() < s3::mean_edge_length(a.rest));
+  }
+}
+
+TEST_CASE("the same file again makes nothing stale, another name does") {
+  auto pipeline = ready_pipeline();
+  s3::Context ctx;
+  pipeline.run_to(Stage::objectives, ctx);
+  pipeline.set_model(bytes_of(leaning_block()), "block.tet");
+  pipeline.set_stress({}, "");
+  CHECK(states(pipeline)[Stage::objectives] == StageState::done);
+  pipeline.set_model(bytes_of(leaning_block()), "other.tet");
+  CHECK(states(pipeline)[Stage::mesh] == StageState::stale);
+  CHECK(s3::stage_files(pipeline, Stage::mesh).empty());
 }
