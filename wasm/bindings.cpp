@@ -7,6 +7,7 @@
 #include <emscripten/bind.h>
 #include <emscripten/heap.h>
 #include <emscripten/val.h>
+#include <malloc.h>
 
 #include <chrono>
 #include <cmath>
@@ -176,6 +177,10 @@ val machine_profile(const std::string& name) {
 
 double memory_bytes() {
   return static_cast<double>(emscripten_get_heap_size());
+}
+
+double memory_used() {
+  return static_cast<double>(mallinfo().uordblks);
 }
 
 std::string version() {
@@ -683,7 +688,7 @@ EMSCRIPTEN_BINDINGS(s3slicer) {
   emscripten::function("schema", &schema);
   emscripten::function("machineNames", &machine_names);
   emscripten::function("machineProfile", &machine_profile);
-  emscripten::function("memoryBytes", &memory_bytes);
+  emscripten::function("memoryUsed", &memory_used);
   emscripten::function("version", &version);
 
   emscripten::class_<Engine>("Engine")

@@ -1,6 +1,9 @@
 // What goes wrong, as one type: see index.d.ts.
 
-/** @implements {import('./index.d.ts').SlicerError} */
+/**
+ * @typedef {import('./index.d.ts').SlicerError} SlicerErrorApi
+ * @implements {SlicerErrorApi}
+ */
 export class SlicerError extends Error {
   /** @param {import('./index.d.ts').SlicerErrorFields} fields */
   constructor({ kind, code, stage, message, hint, places }) {

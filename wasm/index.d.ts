@@ -142,6 +142,8 @@ export interface Engine {
   readonly crashed: boolean;
   /** Bytes of WebAssembly memory: it grows and never shrinks. */
   readonly memoryBytes: number;
+  /** Bytes of it that are in use. */
+  readonly memoryUsed: number;
   createSlicer(): Slicer;
   /** The JSON Schema (2020-12) of all parameters, as `s3slice schema` prints it. Nests at the dots of the keys. */
   schema(): JsonSchema;

@@ -6,7 +6,7 @@ export { SlicerError };
 
 export const pathKinds = Object.freeze(/** @type {const} */ (['wall', 'infill', 'gap_fill']));
 
-const isNode = typeof process === 'object' && typeof process.versions?.node === 'string';
+const isNode = typeof (/** @type {any} */ (globalThis).process)?.versions?.node === 'string';
 const MOST_THREADS = 16;
 const PAGE = 65536;
 const INITIAL_MEMORY = 64 * 1024 * 1024;
@@ -26,10 +26,10 @@ export async function load(options = {}) {
     options.memory ??
     new WebAssembly.Memory({ initial: INITIAL_MEMORY / PAGE, maximum: MAXIMUM_MEMORY / PAGE, shared: threads > 1 });
   const script = new URL(`${name}.mjs`, base).href;
+  let started = () => {};
   try {
     const wasmBinary = options.wasmBinary ?? (isNode ? await readLocalFile(new URL(`${name}.wasm`, base)) : undefined);
-    const workers = isNode && threads > 1 ? await nodeModule('./node_threads.js') : null;
-    workers?.provide();
+    if (isNode && threads > 1) started = (await nodeModule('./node_threads.js')).pretendWorker();
     const { default: create } = await import(/* webpackIgnore: true */ /* @vite-ignore */ script);
     const module = await create({
       wasmMemory: memory,
@@ -38,7 +38,6 @@ export async function load(options = {}) {
       locateFile: (/** @type {string} */ file) => new URL(file, base).href,
       s3Threads: threads,
     });
-    workers?.letGo();
     return new Engine(module, memory, threads);
   } catch (error) {
     throw new SlicerError({
@@ -49,6 +48,8 @@ export async function load(options = {}) {
       hint: 'Check that the folder is served with the .wasm file in it, and that the browser knows WebAssembly with SIMD and exceptions',
       places: [],
     });
+  } finally {
+    started();
   }
 }
 
@@ -119,27 +120,24 @@ function bytesOfJson(json) {
 function nested(params) {
   if (params === null || typeof params !== 'object') throw usageError('Parameters are given as an object');
   /** @type {Record<string, any>} */
-  const result = {};
+  const result = Object.create(null);  // where "__proto__" is a key like any other
   for (const [key, value] of Object.entries(params)) {
     const path = key.split('.');
     const last = /** @type {string} */ (path.pop());
     let at = result;
-    for (const name of path) at = Object.hasOwn(at, name) ? at[name] : (at[name] = {});
-    const inner = value !== null && typeof value === 'object' ? nested(value) : value;
-    const merge = inner !== null && typeof inner === 'object' && Object.hasOwn(at, last);
-    Object.defineProperty(at, last, {
-      value: merge ? { ...at[last], ...inner } : inner,
-      enumerable: true,
-      writable: true,
-      configurable: true,
-    });
+    for (const name of path) at = at[name] ??= Object.create(null);
+    const isGroup = value !== null && typeof value === 'object';
+    at[last] = isGroup ? Object.assign(at[last] ?? Object.create(null), nested(value)) : value;
   }
   return result;
 }
 
 const yieldToEvents = () => new Promise((resolve) => setTimeout(resolve, 0));
 
-/** @implements {import('./index.d.ts').Engine} */
+/**
+ * @typedef {import('./index.d.ts').Engine} EngineApi
+ * @implements {EngineApi}
+ */
 class Engine {
   #module;
   #memory;
@@ -169,6 +167,9 @@ class Engine {
   }
   get memoryBytes() {
     return this.#memory.buffer.byteLength;
+  }
+  get memoryUsed() {
+    return this.call(() => this.#module.memoryUsed());
   }
   get cancelFlag() {
     return this.#flag;
@@ -213,8 +214,7 @@ class Engine {
 
   /**
    * Calls into the module: unwraps {value} and throws {error}. What else comes out of it is a trap.
-   * @template T
-   * @param {() => T} call
+   * @param {() => any} call
    * @returns {any}
    */
   call(call) {
@@ -261,7 +261,10 @@ function crash(message) {
   });
 }
 
-/** @implements {import('./index.d.ts').Slicer} */
+/**
+ * @typedef {import('./index.d.ts').Slicer} SlicerApi
+ * @implements {SlicerApi}
+ */
 class Slicer {
   #engine;
   #native;

@@ -3,6 +3,10 @@ import { Worker as NodeThread } from 'node:worker_threads';
 
 /** @type {Set<NodeThread>} */
 const starting = new Set();
+/** How many modules are starting, and what was added to the global scope for them. */
+let pretending = 0;
+/** @type {string[]} */
+let added = [];
 
 class NodeWorker {
   #thread;
@@ -30,14 +34,22 @@ class NodeWorker {
   }
 }
 
-/** Makes the class known where there is none. */
-export function provide() {
+/**
+ * While the module starts, it finds what it takes for a worker of a browser: there alone it may wait for its threads
+ * without spinning.
+ * @returns {() => void}  takes it away again; threads that have started do not keep the process alive from then on
+ */
+export function pretendWorker() {
   const scope = /** @type {any} */ (globalThis);
-  scope.Worker ??= NodeWorker;
-}
-
-/** Threads that have started must not keep the process alive. */
-export function letGo() {
-  for (const thread of starting) thread.unref();
-  starting.clear();
+  if (pretending++ === 0) {
+    const pretended = { Worker: NodeWorker, importScripts() {}, self: globalThis, location: { href: import.meta.url } };
+    added = Object.keys(pretended).filter((name) => !(name in scope));
+    for (const name of added) scope[name] = /** @type {any} */ (pretended)[name];
+  }
+  return () => {
+    if (--pretending > 0) return;
+    for (const name of added) delete scope[name];
+    for (const thread of starting) thread.unref();
+    starting.clear();
+  };
 }

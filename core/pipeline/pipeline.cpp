@@ -110,7 +110,8 @@ const std::vector<Pipeline::Step>& Pipeline::steps() {
 
 void Pipeline::read_model(Context& ctx) {
   if (model_.bytes.empty())
-    throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file", model_.name + " is empty",
+    throw Error(ErrorKind::input, Stage::mesh, "mesh.empty_file",
+                model_.name.empty() ? "No model was given" : model_.name + " is empty",
                 std::string("give a surface as ") + kSurfaceFormats + ", or a volume mesh as " +
                     kVolumeFormats);
   ModelFile file = s3::read_model(model_.bytes, model_.name);
