@@ -130,6 +130,28 @@ test('a project reopens with model, settings and loads', { timeout: 120000 }, as
     await page.click('#add-fixed');
     await page.click('#add-force');
     await page.waitForFunction(() => !window.s3.app.running);
+    // A click takes the face with what continues it, the brush dabs along its way.
+    const box = await page.locator('#canvas').boundingBox();
+    const middle = [box.x + 0.5 * box.width, box.y + 0.5 * box.height];
+    const patches = () => page.evaluate(() => window.s3.app.settings.loads.regions[1].patches.map((patch) => patch.kind));
+    await page.mouse.click(...middle);
+    assert.deepEqual(await patches(), ['faces']);
+    await page.getByRole('radio', { name: 'Paint' }).click();
+    await page.mouse.move(...middle);
+    await page.mouse.down();
+    await page.mouse.move(middle[0] + 60, middle[1], { steps: 4 });
+    await page.mouse.up();
+    const painted = await patches();
+    assert.ok(painted.length >= 2 && painted.at(-1) === 'sphere', painted.join());
+    // The force follows its arrow's tip and stays as large as it was.
+    const tip = await page.locator('.handle').boundingBox();
+    await page.mouse.move(tip.x + 9, tip.y + 9);
+    await page.mouse.down();
+    await page.mouse.move(tip.x + 70, tip.y - 20, { steps: 4 });
+    await page.mouse.up();
+    const force = await page.evaluate(() => window.s3.app.settings.loads.regions[1].force);
+    assert.ok(Math.abs(Math.hypot(...force) - 100) < 0.5 && Math.abs(force[2] + 100) > 1, force.join());
+    await page.screenshot({ path: `${pictures}loads.png` });
     const before = await page.evaluate(() => ({ params: window.s3.app.settings.params, loads: window.s3.app.settings.loads }));
     const project = await downloaded(page, () => page.keyboard.press('Control+s'));
     assert.equal(project.name, 'block.s3.zip');

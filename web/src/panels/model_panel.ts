@@ -65,14 +65,12 @@ export function makeModelPanel(app: App, host: HTMLElement, examples: Example[],
     }
     const facts: [string, string][] = [['File', model.file.name]];
     if (inspection) {
-      const scale = Number(app.param('input.scale'));
       facts.push(['Size', inspection.size_mm.map((size) => number(size)).join(' × ') + ' mm']);
       if (inspection.is_volume) facts.push(['Tets', count(inspection.tets ?? 0)]);
       else facts.push(['Triangles', count(inspection.triangles ?? model.surface.indices.length / 3)]);
       const volume = inspection.volume_after_repair_mm3 ?? inspection.volume_mm3;
-      if (volume) facts.push(['Volume', `${number((volume) / 1000)} cm³`]);
+      if (volume) facts.push(['Volume', `${number(volume / 1000)} cm³`]);
       if (inspection.parts && inspection.parts.length > 1) facts.push(['Parts', String(inspection.parts.length)]);
-      void scale;
     } else {
       facts.push(['Triangles', count(model.surface.indices.length / 3)]);
     }

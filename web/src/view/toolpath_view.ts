@@ -1,11 +1,12 @@
 // Toolpaths as beads: a ribbon of two triangles for each waypoint that turns to the camera and is shaded as an elliptic
-// tube. One draw call for all beads, one for travels; a range of waypoints is a number of instances, nothing is rebuilt.
+// tube. One draw call for all beads, one for travels; a range of waypoints is a draw range, nothing is rebuilt. Waypoints
+// lie in textures that the vertex shader reads: instances of so few corners are slow, above all without a GPU.
 import * as THREE from 'three';
 import type { WaypointArrays } from '../../../wasm/index.js';
 import type { Rgb } from '../color_maps.ts';
 import { TRAVEL_COLOR } from '../color_maps.ts';
 
-const STRIDE = 8;  // position, normal, width, height
+const ROW = 1024;  // waypoints in a row of the textures
 
 export class ToolpathView {
   readonly group = new THREE.Group();
@@ -14,7 +15,8 @@ export class ToolpathView {
   #travels: THREE.LineSegments | null = null;
   /** Travels before each waypoint: #W+1. */
   #travelCount = new Uint32Array(1);
-  #first = { value: 0 };
+  #colors: THREE.DataTexture | null = null;
+  #textures: THREE.DataTexture[] = [];
   #nozzle = makeNozzle();
   #range: [number, number] = [0, 0];
 
@@ -26,29 +28,26 @@ export class ToolpathView {
   set(waypoints: WaypointArrays, nozzleDiameter: number): void {
     this.clear();
     this.#waypoints = waypoints;
-    const count = waypoints.count;
-    const packed = new Float32Array(STRIDE * (count + 1));
+    const count = waypoints.count, rows = Math.max(1, Math.ceil(count / ROW));
+    const packed = new Float32Array(8 * ROW * rows);  // position and width, normal and height
     for (let w = 0; w < count; ++w) {
       for (let k = 0; k < 3; ++k) {
-        packed[STRIDE * w + k] = waypoints.positions[3 * w + k]!;
-        packed[STRIDE * w + 3 + k] = waypoints.normals[3 * w + k]!;
+        packed[8 * w + k] = waypoints.positions[3 * w + k]!;
+        packed[8 * w + 4 + k] = waypoints.normals[3 * w + k]!;
       }
-      packed[STRIDE * w + 6] = waypoints.widths[w]!;
-      packed[STRIDE * w + 7] = waypoints.heights[w]!;
+      packed[8 * w + 3] = waypoints.widths[w]!;
+      packed[8 * w + 7] = waypoints.heights[w]!;
     }
-    const buffer = new THREE.InstancedInterleavedBuffer(packed, STRIDE, 1);
-    const geometry = new THREE.InstancedBufferGeometry();
-    // Corners: along the segment, across it.
-    geometry.setAttribute('position', new THREE.Float32BufferAttribute([0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0], 3));
-    geometry.setIndex([0, 1, 2, 0, 2, 3]);
-    // Instance i goes from waypoint i to i + 1: the same buffer, read with an offset of one waypoint.
-    const attribute = (size: number, offset: number) => new THREE.InterleavedBufferAttribute(buffer, size, offset);
-    geometry.setAttribute('from', attribute(3, 0));
-    geometry.setAttribute('normalFrom', attribute(3, 3));
-    geometry.setAttribute('to', attribute(3, STRIDE));
-    geometry.setAttribute('size', attribute(2, STRIDE + 6));
-    geometry.setAttribute('color', new THREE.InstancedBufferAttribute(new Uint8Array(4 * Math.max(1, count)), 4, true));
-    this.#beads = new THREE.Mesh(geometry, beadMaterial(this.#first));
+    const shape = new THREE.DataTexture(packed, 2 * ROW, rows, THREE.RGBAFormat, THREE.FloatType);
+    shape.needsUpdate = true;
+    this.#colors = new THREE.DataTexture(new Uint8Array(4 * ROW * rows), ROW, rows);
+    this.#textures = [shape, this.#colors];
+    // Four corners for each waypoint but the first: of the way that leads to it. The last comes first: what lies on top
+    // is drawn before what it hides.
+    const corners = new Uint32Array(6 * Math.max(0, count - 1));
+    for (let w = 1; w < count; ++w) corners.set([4 * w, 4 * w + 1, 4 * w + 2, 4 * w, 4 * w + 2, 4 * w + 3], 6 * (count - 1 - w));
+    const geometry = new THREE.BufferGeometry().setIndex(new THREE.BufferAttribute(corners, 1));
+    this.#beads = new THREE.Mesh(geometry, beadMaterial(shape, this.#colors));
     this.#beads.frustumCulled = false;
     this.group.add(this.#beads);
     this.#makeTravels(waypoints);
@@ -75,24 +74,23 @@ export class ToolpathView {
 
   /** @param colors rgb bytes of each waypoint: of the way that leads to it */
   paint(colors: Uint8Array): void {
-    const waypoints = this.#waypoints, attribute = this.#beads?.geometry.getAttribute('color') as THREE.InstancedBufferAttribute | undefined;
-    if (!waypoints || !attribute) return;
-    const array = attribute.array as Uint8Array;
-    for (let w = 1; w < waypoints.count; ++w) {
-      array[4 * w - 4] = colors[3 * w]!;
-      array[4 * w - 3] = colors[3 * w + 1]!;
-      array[4 * w - 2] = colors[3 * w + 2]!;
-      array[4 * w - 1] = waypoints.travels[w] ? 0 : 255;  // the shader drops what is no bead
+    const waypoints = this.#waypoints, texture = this.#colors;
+    if (!waypoints || !texture) return;
+    const array = texture.image.data as Uint8Array;
+    for (let w = 0; w < waypoints.count; ++w) {
+      array[4 * w] = colors[3 * w]!;
+      array[4 * w + 1] = colors[3 * w + 1]!;
+      array[4 * w + 2] = colors[3 * w + 2]!;
+      array[4 * w + 3] = waypoints.travels[w] ? 0 : 255;  // the shader drops what is no bead
     }
-    attribute.needsUpdate = true;
+    texture.needsUpdate = true;
   }
 
   /** Shows waypoints from (with) to (without). */
   setRange(from: number, to: number): void {
     if (!this.#beads || !this.#travels) return;
     this.#range = [from, to];
-    this.#first.value = from;
-    (this.#beads.geometry as THREE.InstancedBufferGeometry).instanceCount = Math.max(0, to - 1);
+    this.#beads.geometry.setDrawRange(6 * (this.#waypoints!.count - to), 6 * Math.max(0, to - Math.max(1, from)));
     const first = this.#travelCount[from]!, end = this.#travelCount[to]!;
     this.#travels.geometry.setDrawRange(2 * first, 2 * (end - first));
   }
@@ -123,6 +121,9 @@ export class ToolpathView {
       (object.material as THREE.Material).dispose();
       this.group.remove(object);
     }
+    for (const texture of this.#textures) texture.dispose();
+    this.#textures = [];
+    this.#colors = null;
     this.#beads = this.#travels = null;
     this.#waypoints = null;
     this.#nozzle.visible = false;
@@ -136,19 +137,25 @@ function makeNozzle(): THREE.Mesh {
   return new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({ color: 0xc9a227, metalness: 0.35, roughness: 0.45, side: THREE.DoubleSide }));
 }
 
-function beadMaterial(first: { value: number }): THREE.ShaderMaterial {
+function beadMaterial(shape: THREE.Texture, colors: THREE.Texture): THREE.ShaderMaterial {
   return new THREE.ShaderMaterial({
-    uniforms: { first },
+    uniforms: { shape: { value: shape }, colors: { value: colors } },
     side: THREE.DoubleSide,
     vertexShader: `
-      attribute vec3 from, normalFrom, to;
-      attribute vec2 size;
-      attribute vec4 color;
-      uniform float first;
+      uniform highp sampler2D shape;
+      uniform lowp sampler2D colors;
       varying vec3 vColor, vView, vSide, vOut;
       varying float vAcross;
+      vec4 part(int w, int which) { return texelFetch(shape, ivec2(2 * (w % ${ROW}) + which, w / ${ROW}), 0); }
       void main() {
-        if (color.a == 0.0 || float(gl_InstanceID) < first) { gl_Position = vec4(2.0, 2.0, 2.0, 0.0); return; }
+        int w = gl_VertexID >> 2, corner = gl_VertexID & 3;
+        vec4 color = texelFetch(colors, ivec2(w % ${ROW}, w / ${ROW}), 0);
+        if (color.a == 0.0) { gl_Position = vec4(2.0, 2.0, 2.0, 0.0); return; }
+        // Along the segment, across it.
+        vec2 place = vec2(corner == 1 || corner == 2 ? 1.0 : 0.0, corner >= 2 ? 1.0 : -1.0);
+        vec4 start = part(w - 1, 0), end = part(w, 0), normal = part(w, 1);
+        vec3 from = start.xyz, to = end.xyz, normalFrom = normal.xyz;
+        vec2 size = vec2(end.w, normal.w);
         vec3 a = (modelViewMatrix * vec4(from, 1.0)).xyz, b = (modelViewMatrix * vec4(to, 1.0)).xyz;
         vec3 up = normalize(mat3(modelViewMatrix) * normalFrom);
         float span = length(b - a);
@@ -156,14 +163,14 @@ function beadMaterial(first: { value: number }): THREE.ShaderMaterial {
         vec3 wide = normalize(cross(along, up));
         up = cross(wide, along);
         // The waypoint is the nozzle's tip, on top of the bead.
-        vec3 p = mix(a, b, position.x) - 0.5 * size.y * up + (position.x - 0.5) * 0.3 * size.x * along;
+        vec3 p = mix(a, b, place.x) - 0.5 * size.y * up + (place.x - 0.5) * 0.3 * size.x * along;
         vec3 toEye = normalize(-p);
         vec3 side = normalize(cross(along, toEye) + 1e-6 * wide);
         // Half the width of the ellipse's outline seen from here.
         float reach = length(vec2(0.5 * size.x * dot(side, wide), 0.5 * size.y * dot(side, up)));
-        p += position.y * reach * side;
+        p += place.y * reach * side;
         vColor = color.rgb;
-        vAcross = position.y;
+        vAcross = place.y;
         vSide = side;
         vOut = normalize(cross(side, along) * sign(dot(cross(side, along), toEye)));
         vView = p;

@@ -1,6 +1,6 @@
 // What the viewport shows: chooses the view, feeds it with results, colours it, and answers clicks on it.
 import * as THREE from 'three';
-import type { DeformationArrays, FaceAngles, LayerArrays, MotionArrays, StressArrays, TetArrays, WaypointArrays } from '../../../wasm/index.js';
+import type { DeformationArrays, FaceAngles, Gouging, LayerArrays, MotionArrays, StressArrays, TetArrays, WaypointArrays } from '../../../wasm/index.js';
 import type { App } from '../app.ts';
 import { KIND_COLORS, TRAVEL_COLOR, WARNING_COLOR, colorize, extent, layerColor, robustExtent } from '../color_maps.ts';
 import type { MapName, Rgb } from '../color_maps.ts';
@@ -16,7 +16,7 @@ import { formatRotation, layOnPlate, parseRotation, scaleOf, transformPoint, unt
 import type { Vec } from '../rotation.ts';
 import { makeTimeline } from '../timeline.ts';
 import type { Timeline } from '../timeline.ts';
-import { LayerView, componentOf } from './layer_view.ts';
+import { LayerView } from './layer_view.ts';
 import { SolidView } from './solid_view.ts';
 import type { SolidColors } from './solid_view.ts';
 import { SurfaceView } from './surface_view.ts';
@@ -35,7 +35,7 @@ const VIEWS: { value: ViewName; text: string; title: string; stage: string }[] =
   { value: 'paths', text: 'Toolpaths', title: 'What the nozzle lays', stage: 'waypoints' },
 ];
 
-type FieldColor = 'height' | 'tilt' | 'overhang' | 'stairs';
+type FieldColor = 'height' | 'tilt' | 'overhang' | 'stairs' | 'gouging';
 type StressColor = 'tension' | 'critical';
 type LayerColor = 'layer' | 'thickness' | 'tilt' | 'cut';
 type PathColor = 'kind' | 'layer' | 'thickness' | 'speed' | 'tilt';
@@ -64,7 +64,7 @@ export class Workspace {
   #solid = new SolidView();
   #layers = new LayerView();
   #paths = new ToolpathView();
-  #pin: THREE.Points;
+  #pin = marker();
   #forces = new THREE.Group();
   #display: Display = {
     cutAxis: 'off', cutAt: 0.5, arrows: false, edges: true, deform: 0, field: 'height', stress: 'tension', layerColor: 'layer', explode: 0, pathColor: 'kind', travels: false, planar: false,
@@ -76,6 +76,8 @@ export class Workspace {
   #deformation: DeformationArrays | null = null;
   #stressData: StressArrays | null = null;
   #angles: FaceAngles | null = null;
+  #gouging: Gouging | null = null;
+  #gouges = marker();
   #layerData: LayerArrays | null = null;
   #waypoints: WaypointArrays | null = null;
   #motion: MotionArrays | null = null;
@@ -99,13 +101,7 @@ export class Workspace {
     this.#displayHost = hosts.display;
     this.#infoHost = hosts.info;
     this.#marksHost = hosts.marks;
-    this.#pin = new THREE.Points(
-      new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute([0, 0, 0], 3)),
-      new THREE.PointsMaterial({ color: 0xe0453a, size: 9, sizeAttenuation: false, depthTest: false }),
-    );
-    this.#pin.visible = false;
-    this.#pin.renderOrder = 6;
-    for (const part of [this.#surface.group, this.#solid.group, this.#layers.group, this.#paths.group, this.#forces, this.#pin]) this.viewer.scene.add(part);
+    for (const part of [this.#surface.group, this.#solid.group, this.#layers.group, this.#paths.group, this.#forces, this.#gouges, this.#pin]) this.viewer.scene.add(part);
     this.#switch = segmented('View', VIEWS, 'model', (view) => { this.#follow = false; void this.show(view); });
     replace(hosts.views, this.#switch.element);
     hosts.views.hidden = true;
@@ -157,9 +153,9 @@ export class Workspace {
         this.#paintSurface();
       }
     }
-    if (stage === 'tetrahedralize') this.#tets = this.#stressData = this.#deformation = this.#angles = null;
+    if (stage === 'tetrahedralize') this.#tets = this.#stressData = this.#deformation = this.#angles = this.#gouging = null;
     if (stage === 'fea') this.#stressData = null;
-    if (stage === 'outer_loop') this.#deformation = this.#angles = null;
+    if (stage === 'outer_loop') this.#deformation = this.#angles = this.#gouging = null;
     if (stage === 'layers' || (stage === 'metrics' && this.#display.planar)) this.#layerData = null;
     if (stage === 'waypoints' || (stage === 'metrics' && this.#display.planar)) this.#waypoints = null;
     if (stage === 'motion') this.#motion = null;
@@ -183,7 +179,7 @@ export class Workspace {
     this.#solid.clear();
     this.#layers.clear();
     this.#paths.clear();
-    this.#tets = this.#deformation = this.#stressData = this.#angles = this.#layerData = this.#waypoints = this.#motion = null;
+    this.#tets = this.#deformation = this.#stressData = this.#angles = this.#gouging = this.#layerData = this.#waypoints = this.#motion = null;
     this.#shownSurface = this.#shape = null;
     this.#pin.visible = false;
     this.#marks = { places: [], frame: 'rest' };
@@ -219,6 +215,7 @@ export class Workspace {
     }
     await this.#load(view);
     if (round !== this.#round) return;
+    this.#gouges.visible = false;
     this.#surface.group.visible = view === 'model';
     this.#solid.group.visible = view === 'mesh' || view === 'shape' || view === 'field' || view === 'stress';
     this.#layers.group.visible = view === 'layers';
@@ -238,6 +235,7 @@ export class Workspace {
       }
       this.#deformation ??= await app.result('deformation');
       this.#angles ??= await app.result('faceAngles');
+      this.#gouging ??= await app.result('gouging');
       if (view === 'stress') this.#stressData ??= await app.result('stress');
     }
     if (view === 'layers' || view === 'paths') {
@@ -282,6 +280,8 @@ export class Workspace {
     this.#solid.setDeformed(deformation?.deformed ?? null, deformation?.printDirections ?? null);
     this.#solid.setAmount(this.view === 'shape' ? display.deform : 0);
     const colors = this.#solidColors(tets);
+    this.#gouges.visible = this.view === 'field' && display.field === 'gouging' && (this.#gouging?.angles.length ?? 0) > 0;
+    if (this.#gouges.visible) this.#gouges.geometry.setAttribute('position', new THREE.BufferAttribute(this.#gouging!.places as Float32Array, 3));
     this.#solid.update({ cut, colors: colors.colors, arrows: this.view === 'field' && display.arrows, edges: display.edges });
     this.#legend(colors.legend);
     this.viewer.invalidate();
@@ -312,6 +312,10 @@ export class Workspace {
     const scale = (per: 'tet' | 'vertex', values: ArrayLike<number>, map: MapName, range: [number, number], title: string, unit: string) =>
       ({ colors: { per, rgb: colorize(values, map, ...range) }, legend: { title, unit, map, low: range[0], high: range[1] } });
     if (this.#display.field === 'tilt') return scale('tet', tiltOf(deformation.printDirections, count), 'warm', [0, Math.max(10, extent(tiltOf(deformation.printDirections, count))[1])], 'Tilt of the print direction', '°');
+    if (this.#display.field === 'gouging') {
+      const places = this.#gouging?.angles.length ?? 0, clearance = number(this.#gouging?.clearance ?? 0);
+      return { colors: null, legend: { title: 'Gouging', keys: [{ color: WARNING_COLOR, text: places > 0 ? `${places} places` : 'nowhere' }], note: `valleys steeper than the head's clearance of ${clearance}°` } };
+    }
     const flags = this.#display.field === 'overhang' ? this.#angles?.overhang : this.#display.field === 'stairs' ? this.#angles?.stairs : null;
     if (flags) {
       const rgb = new Uint8Array(3 * count);
@@ -436,7 +440,7 @@ export class Workspace {
     const share = (label: string, key: 'cutAt' | 'deform' | 'explode', apply: () => void): HTMLElement =>
       slider({ label, min: 0, max: 1, step: 0.005, value: display[key], show: (value) => `${Math.round(100 * value)} %`, oninput: (value) => { display[key] = value; apply(); this.viewer.invalidate(); } }).element;
     const solid = (): void => this.#updateSolidSoon();
-    if (this.view === 'field') parts.push(pick<FieldColor>('Colour', 'field', [['height', 'Height field'], ['tilt', 'Tilt'], ['overhang', 'Overhang'], ['stairs', 'Stair-steps']]));
+    if (this.view === 'field') parts.push(pick<FieldColor>('Colour', 'field', [['height', 'Height field'], ['tilt', 'Tilt'], ['overhang', 'Overhang'], ['stairs', 'Stair-steps'], ['gouging', 'Gouging']]));
     if (this.view === 'stress') parts.push(pick<StressColor>('Colour', 'stress', [['tension', 'Largest principal stress'], ['critical', 'Critical region']]));
     if (this.view === 'shape') parts.push(share('Deformed', 'deform', () => this.#solid.setAmount(display.deform)));
     if (this.view === 'mesh' || this.view === 'field' || this.view === 'stress') {
@@ -533,7 +537,10 @@ export class Workspace {
     const { loads } = this.#app.settings;
     const colors = new Map<number, Rgb>();
     const shape = loads.regions.length > 0 ? this.#regionShape() : null;
-    for (const child of [...this.#forces.children]) this.#forces.remove(child);
+    for (const arrow of [...this.#forces.children] as THREE.ArrowHelper[]) {
+      arrow.dispose();
+      this.#forces.remove(arrow);
+    }
     const handles = new Set<number>();
     if (shape) {
       for (const region of loads.regions) {
@@ -564,6 +571,11 @@ export class Workspace {
     const force = new THREE.Vector3(...region.force);
     const length = Math.max(1e-6, force.length() * this.#arrowScale());
     const arrow = new THREE.ArrowHelper(force.clone().normalize(), origin, length, new THREE.Color(...(color.map((c) => c / 255) as Rgb)).getHex(), 0.25 * length, 0.12 * length);
+    // Forces mostly point into the part: they are seen through it.
+    for (const part of [arrow.line, arrow.cone]) {
+      (part.material as THREE.Material).depthTest = false;
+      part.renderOrder = 7;
+    }
     arrow.userData = { id: region.id, tip: origin.clone().addScaledVector(force, this.#arrowScale()), origin };
     this.#forces.add(arrow);
     if (!this.#handles.has(region.id)) this.#handles.set(region.id, this.#makeHandle(region.id));
@@ -719,6 +731,18 @@ export class Workspace {
   }
 }
 
+/** Points that are seen through the part. */
+function marker(): THREE.Points {
+  const points = new THREE.Points(
+    new THREE.BufferGeometry().setAttribute('position', new THREE.Float32BufferAttribute([0, 0, 0], 3)),
+    new THREE.PointsMaterial({ color: 0xe0453a, size: 9, sizeAttenuation: false, depthTest: false }),
+  );
+  points.visible = false;
+  points.renderOrder = 6;
+  points.frustumCulled = false;
+  return points;
+}
+
 const begins = new WeakMap<WaypointArrays, Uint32Array>();
 /** The first waypoint of each component, and the end of the last. */
 function componentBegins(waypoints: WaypointArrays, count: number): Uint32Array {
@@ -774,4 +798,3 @@ function middleOf(shape: SurfaceShape, faces: Set<number>, matrix: ArrayLike<num
   return matrix ? new THREE.Vector3(...transformPoint(matrix, middle.toArray() as Vec)) : middle;
 }
 
-export { componentOf };
