@@ -22,7 +22,7 @@ function filesIn(folder) {
 const engineFiles = existsSync(engine) ? filesIn(engine) : [];
 const engineFolder = `engine-${digest(engineFiles)}/`;
 
-/** Engine, examples and the service worker's list of files. */
+/** Engine, examples, and the service worker's list of what the page itself is; the rest is kept once it was used. */
 function bundle() {
   return {
     name: 's3-bundle',
@@ -35,7 +35,7 @@ function bundle() {
         if (name.endsWith('.json')) cpSync(join(models, name), join(out, 'examples', name));
       }
       const files = filesIn(out).filter((file) => !file.endsWith('sw.js'));
-      const names = files.map((file) => file.slice(out.length + 1)).filter((name) => name !== 'index.html' && !name.startsWith('engine-'));
+      const names = files.map((file) => file.slice(out.length + 1)).filter((name) => name !== 'index.html' && !name.startsWith('engine-') && !/examples\/.*\.(gz|json)$/.test(name));
       const worker = join(out, 'sw.js');
       writeFileSync(worker, readFileSync(worker, 'utf8').replace('__VERSION__', digest(files)).replace('__FILES__', JSON.stringify(['./', ...names])));
     },

@@ -189,7 +189,7 @@ test('a run is cancelled, a killed worker is replaced; model and settings stay',
       await new Promise((resolve) => { const look = () => (app.running ? setTimeout(look, 5) : resolve()); look(); });
       return performance.now() - begin;
     });
-    t.diagnostic(`cancel was answered within ${took.toFixed(0)} ms`);
+    t.diagnostic(`cancel was answered within ${took.toFixed(0)} ms with ${await page.evaluate(() => window.s3.app.engine.threads)} threads`);
     assert.deepEqual(await messages(page), []);
     assert.equal(await page.evaluate(() => window.s3.app.stages.find((stage) => stage.stage === 'mesh').state), 'done');
 
@@ -242,12 +242,13 @@ test('a host without headers gets threads by the service worker, and the page wo
   try {
     await page.waitForFunction(() => window.crossOriginIsolated && window.s3?.app.engine, null, { timeout: 30000 });
     assert.equal(await page.evaluate(() => navigator.serviceWorker.controller !== null), true);
+    assert.equal(await page.evaluate(() => window.s3.app.engine.threads === Math.min(16, navigator.hardwareConcurrency)), true);
     await context.setOffline(true);
     await page.reload();
     await page.waitForFunction(() => window.s3?.app.engine, null, { timeout: 30000 });
-    await page.locator('.welcome [data-example="trio.stl"]').click();
+    await drop(page, 'block.stl', blockStl(20, 20, 20));
     await prepared(page);
-    assert.equal(await page.evaluate(() => window.s3.app.model.file.name), 'trio.stl');
+    assert.deepEqual(await messages(page), []);
   } finally {
     await close();
   }

@@ -128,6 +128,13 @@ test('the preview stands on the plate: up axis, scale, rotation, lowest point at
   [5, 2, 1].forEach((x, i) => near(back[i], x, 1e-9));
 });
 
+test('the angles of a placement are those that it was made with', async () => {
+  const { previewPlacement, placementAngles } = await load('rotation.ts');
+  for (const up of ['z', 'y']) {
+    placementAngles(previewPlacement([1, 2, 3], up, 25.4, [20, -30, 110]), up).forEach((angle, i) => near(angle, [20, -30, 110][i], 1e-9));
+  }
+});
+
 test('rotations read and write as the parameter has them', async () => {
   const { parseRotation, formatRotation } = await load('rotation.ts');
   assert.deepEqual(parseRotation('90, 0,45'), [90, 0, 45]);

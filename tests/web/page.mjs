@@ -33,7 +33,7 @@ const HARMLESS = /GPU stall due to ReadPixels|Service Worker registration blocke
  * A page of its own, on a server of its own.
  * @param {{ isolation?: boolean, width?: number, height?: number, theme?: 'light' | 'dark', query?: string, serviceWorkers?: 'allow' | 'block' }} options
  */
-export async function open({ isolation = false, width = 1280, height = 800, theme = 'light', query = '', serviceWorkers = 'block' } = {}) {
+export async function open({ isolation = true, width = 1280, height = 800, theme = 'light', query = '', serviceWorkers = 'block' } = {}) {
   const server = await serve({ root: `${root}web/dist`, isolation });
   const context = await (await launch()).newContext({ viewport: { width, height }, colorScheme: theme, serviceWorkers, acceptDownloads: true });
   const page = await context.newPage();

@@ -40,6 +40,14 @@ async function answer(request) {
   }
 }
 
+// What the page had loaded before there was a service worker.
+self.addEventListener('message', (event) => {
+  const keep = Array.isArray(event.data?.keep) ? event.data.keep : [];
+  event.waitUntil(caches.open(CACHE).then(async (cache) => {
+    for (const url of keep) if (!(await cache.match(url))) await cache.add(url);
+  }));
+});
+
 self.addEventListener('fetch', (event) => {
   const { request } = event;
   if (request.method === 'GET' && new URL(request.url).origin === location.origin) event.respondWith(answer(request));

@@ -4,7 +4,8 @@ import { History } from './history.ts';
 import { NO_LOADS, loadProblems, loadsFrom } from './load_case.ts';
 import type { Loads } from './load_case.ts';
 import type { EngineInfo, Job, ModelFile, ResultName, Results } from './protocol.ts';
-import { previewPlacement, parseRotation } from './rotation.ts';
+import { parseRotation, placementAngles, previewPlacement } from './rotation.ts';
+import type { Vec } from './rotation.ts';
 import { DETAIL_PRESETS, defaultsOf, schemaFields } from './settings.ts';
 import type { ParamField, ParamValues } from './settings.ts';
 import { SliceError, SlicerClient } from './slicer_client.ts';
@@ -112,6 +113,11 @@ export class App {
     return this.settings.params[key] as Value;
   }
 
+  /** Degrees about x, y, z that the part is turned by now, also where the slicer chose them. */
+  rotation(): Vec {
+    return parseRotation(String(this.param('input.rotate') ?? '0,0,0')) ?? placementAngles(this.placement, String(this.param('input.up') ?? 'z'));
+  }
+
   /** Loads the engine. Settings that are there already stay. */
   async start(): Promise<void> {
     try {
@@ -203,7 +209,7 @@ export class App {
   /** Where the part will stand, as far as that is known before the stage `mesh`. */
   #preview(): void {
     if (!this.model) return;
-    const rotation = parseRotation(String(this.param('input.rotate') ?? '0,0,0')) ?? [0, 0, 0];
+    const rotation = this.rotation();
     this.placement = previewPlacement(this.model.surface.positions, String(this.param('input.up') ?? 'z'), Number(this.param('input.scale') ?? 1), rotation);
     this.#emit('placement');
   }

@@ -10,7 +10,7 @@ import { makeExamples, makeModelPanel } from './panels/model_panel.ts';
 import { makeResultsPanel, stem } from './panels/results_panel.ts';
 import { makeRunBar } from './panels/run_bar.ts';
 import { makeSettingsPanel } from './panels/settings_panel.ts';
-import { registerServiceWorker } from './service_worker_client.ts';
+import { keepForOffline, registerServiceWorker } from './service_worker_client.ts';
 import { makeTabs } from './tabs.ts';
 import type { WorkerLike } from './slicer_client.ts';
 import { Workspace } from './view/workspace.ts';
@@ -174,5 +174,9 @@ window.addEventListener('keydown', (event) => {
 });
 
 registerServiceWorker(() => app.model === null);
+app.on('engine', () => {
+  const name = app.engine && app.engine.threads > 1 ? 's3slicer-threads' : 's3slicer';
+  keepForOffline(['.mjs', '.wasm'].map((ending) => new URL(`${__ENGINE__}${name}${ending}`, document.baseURI).href));
+});
 // For measurements in the browser tests: frame times and draw calls.
 Object.assign(window, { s3: { app, workspace: view } });

@@ -107,6 +107,14 @@ export function previewPlacement(positions: ArrayLike<number>, up: string, scale
   return new Float64Array([m[0]!, m[3]!, m[6]!, 0, m[1]!, m[4]!, m[7]!, 0, m[2]!, m[5]!, m[8]!, 0, 0, 0, shift, 1]);
 }
 
+/** The angles that a placement turns by: of rotations that the slicer has found by itself. */
+export function placementAngles(m: ArrayLike<number>, up: string): Vec {
+  const scale = scaleOf(m);
+  const turn = [0, 4, 8, 1, 5, 9, 2, 6, 10].map((at) => m[at]! / scale) as Matrix3;
+  const zUp: Matrix3 = [1, 0, 0, 0, 0, 1, 0, -1, 0];
+  return anglesOf(up === 'y' ? multiply(turn, zUp) : turn);
+}
+
 /** A point through a 4×4 matrix, column by column. */
 export const transformPoint = (m: ArrayLike<number>, [x, y, z]: Vec): Vec => [
   m[0]! * x + m[4]! * y + m[8]! * z + m[12]!,

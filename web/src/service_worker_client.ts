@@ -12,3 +12,9 @@ export function registerServiceWorker(mayReload: () => boolean): void {
     location.reload();
   });
 }
+
+/** Keeps files for use offline that were loaded past the service worker. */
+export function keepForOffline(urls: string[]): void {
+  if (!('serviceWorker' in navigator) || !window.isSecureContext) return;
+  void navigator.serviceWorker.ready.then((registration) => registration.active?.postMessage({ keep: urls }));
+}

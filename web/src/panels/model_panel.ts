@@ -45,11 +45,8 @@ export function makeModelPanel(app: App, host: HTMLElement, examples: Example[],
     lay.setAttribute('aria-pressed', String(on));
     actions.setLaying(on);
   }
-  function rotation(): [number, number, number] {
-    return parseRotation(app.param<string>('input.rotate')) ?? [0, 0, 0];
-  }
   function turn(axis: 0 | 1 | 2): void {
-    app.setParams({ 'input.rotate': formatRotation(turned(rotation(), axis, 90)) });
+    app.setParams({ 'input.rotate': formatRotation(turned(app.rotation(), axis, 90)) });
   }
   function readAngles(): void {
     const parsed = parseRotation(angles.map((input) => input.value || '0').join(','));
@@ -105,7 +102,7 @@ export function makeModelPanel(app: App, host: HTMLElement, examples: Example[],
     if (![...units.options].some((option) => option.value === scale)) units.append(h('option', { value: scale }, `× ${scale}`));
     units.value = scale;
     up.set(app.param<'z' | 'y'>('input.up') ?? 'z');
-    found.textContent = parsed ? '' : rotate === 'auto' ? 'Turned to the least overhang when sliced.' : 'The largest flat face lies on the plate.';
+    found.textContent = parsed ? '' : rotate === 'auto' ? 'Turned to the least overhang and support.' : 'The largest flat face lies on the plate.';
     found.hidden = parsed !== null;
   }
 

@@ -12,7 +12,7 @@ import { facesOf, triangleNeighbors } from '../load_case.ts';
 import type { LoadRegion, SurfaceShape } from '../load_case.ts';
 import type { LoadEditor } from '../panels/loads_panel.ts';
 import { regionColor } from '../panels/loads_panel.ts';
-import { formatRotation, layOnPlate, parseRotation, scaleOf, transformPoint, untransformPoint } from '../rotation.ts';
+import { formatRotation, layOnPlate, scaleOf, transformPoint, untransformPoint } from '../rotation.ts';
 import type { Vec } from '../rotation.ts';
 import { makeTimeline } from '../timeline.ts';
 import type { Timeline } from '../timeline.ts';
@@ -645,12 +645,7 @@ export class Workspace {
   }
 
   #layDown(normal: THREE.Vector3): void {
-    const angles = parseRotation(this.#app.param('input.rotate'));
-    if (!angles) {
-      this.#app.notify('Set the rotation to angles first: “Auto” and “Flattest” find it when slicing.');
-    } else {
-      this.#app.setParams({ 'input.rotate': formatRotation(layOnPlate(angles, normal.toArray() as Vec)) });
-    }
+    this.#app.setParams({ 'input.rotate': formatRotation(layOnPlate(this.#app.rotation(), normal.toArray() as Vec)) });
     const done = this.#laying;
     this.setLaying(null);
     done?.();
