@@ -108,8 +108,8 @@ LineGuides guide_along_walls(const StripeMesh& mesh, const Directions& line, con
 StripeAnchors anchor_at_walls(const StripeMesh& mesh, const Directions& line,
                               const WorkLayer& layer, double width, int walls) {
   constexpr double kParallel = 0.3;  // sine of the largest angle between line and wall
-  constexpr double kReach = 1.0;     // of w, to both sides of the first line
-  constexpr double kWeight = 4.0;
+  constexpr double kReach = 1.5;     // of w, to both sides of the first line
+  constexpr double kWeight = 8.0;
   StripeAnchors anchors{Values::Zero(mesh.vertices.rows()), Values::Zero(mesh.vertices.rows())};
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
     const Index from = mesh.work_vertex[static_cast<std::size_t>(v)];
