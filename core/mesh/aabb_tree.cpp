@@ -153,11 +153,13 @@ std::size_t split(Items& items, std::size_t begin, std::size_t end, bool halve) 
                      });
     return middle;
   };
-  if (halve || !(extent[axis] > 0) || end - begin <= 2 * kLeafSize) return by_count();
+  // Not finite where the centers lie in one place, or closer than numbers can divide.
+  const double scale = kBins / extent[axis];
+  if (halve || !std::isfinite(scale) || end - begin <= 2 * kLeafSize) return by_count();
 
   std::array<Bounds, kBins> bin_bounds;
   std::array<std::size_t, kBins> bin_count{};
-  const double low = centers.low[axis], scale = kBins / extent[axis];
+  const double low = centers.low[axis];
   const auto bin_of = [&](const auto& item) {
     return std::clamp(static_cast<int>((item.center()[axis] - low) * scale), 0, kBins - 1);
   };

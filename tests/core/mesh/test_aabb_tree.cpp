@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <random>
 #include <set>
@@ -135,6 +136,18 @@ TEST_CASE("equal triangles and an empty mesh do no harm") {
   const AabbTree tree(mesh);
   CHECK(tree.closest(Vec3(0.2, 0.2, 3)).distance == doctest::Approx(3));
   CHECK(tree.all_hits(Vec3(0.2, 0.2, 3), -Vec3::UnitZ()).size() == 1000);
+}
+
+TEST_CASE("triangles that lie closer than numbers can divide do no harm") {
+  constexpr Index kTriangles = 64;
+  constexpr double kStep = std::numeric_limits<double>::denorm_min();
+  TriMesh mesh{Points::Zero(3 * kTriangles, 3), Triangles(kTriangles, 3)};
+  for (Index t = 0; t < kTriangles; ++t) {
+    mesh.triangles.row(t) << 3 * t, 3 * t + 1, 3 * t + 2;
+    mesh.vertices.row(3 * t + 1) << 6 * t * kStep, 0, 0;
+  }
+  const AabbTree tree(mesh);
+  CHECK(tree.closest(Vec3(0, 0, 1)).distance == doctest::Approx(1));
 }
 
 TEST_CASE("a ray meets the triangles that a walk over all triangles meets") {
