@@ -156,6 +156,41 @@ TEST_CASE("surface quality turns layers along a slanted roof") {
   CHECK(inverted_tets(wall, result.deformed) == 0);
 }
 
+TEST_CASE("tension that cannot be followed leaves the layers whole, what can be is followed") {
+  const TetMesh block = test::make_grid(12, 6, 16, Vec3(24, 12, 32));
+  StressField stress;
+  stress.principal = Vec3::UnitX().transpose().replicate(block.tet_count(), 1);
+  stress.principal_value = Values::Ones(block.tet_count());
+  // A column stands on the plate, where layers are flat; above, tension rises by 30°.
+  std::vector<Index> followed, column;
+  for (Index t = 0; t < block.tet_count(); ++t) {
+    const Vec3 center = block.centroid(t);
+    const bool stands = center.z() < 8 && std::abs(center.x() - 12) < 4;
+    if (!stands && center.z() < 20) continue;
+    stress.principal.row(t) =
+        stands ? Vec3::UnitZ() : Vec3(std::cos(radians(30)), 0, std::sin(radians(30)));
+    (stands ? column : followed).push_back(t);
+    stress.critical_tets.push_back(t);
+  }
+  ObjectiveParams params;
+  params.support_free = 0;
+  params.strength = 1;
+  Context ctx(1);
+  const DeformResult result = refined_method(block, make_objectives(block, params, &stress), params,
+                                             {}, kThicknessRatio, ctx);
+  const Directions& d = result.field.print_direction;
+  const auto stray = [&](Index t) {
+    return std::abs(d.row(t).dot(stress.principal.row(t))) > std::sin(radians(10));
+  };
+  CHECK(std::count_if(followed.begin(), followed.end(), stray) <
+        0.05 * static_cast<double>(followed.size()));
+  CHECK(std::count_if(column.begin(), column.end(), stray) >
+        0.5 * static_cast<double>(column.size()));
+  const Values size = result.field.gradient.rowwise().norm();
+  CHECK(size.maxCoeff() / size.minCoeff() < 3 * kThicknessRatio);
+  CHECK(count_concave_over(concave_angles(block, d), radians(20)) == 0);
+}
+
 TEST_CASE("the ring prints without support (the paper's model)") {
   const char* shared = std::getenv("S3_SHARED");
   if (shared == nullptr) {
