@@ -35,10 +35,10 @@ interface MetricInfo {
 }
 
 const METRICS: MetricInfo[] = [
-  { label: 'Support free', unit: '% of the surface', read: (m) => m.support_free_area_percent, sense: 1 },
-  { label: 'Overhang beyond 45°, mean', unit: '°', read: (m) => m.support_free_mean_violation_deg, sense: -1 },
-  { label: 'Without stair-steps', unit: '% of the surface', read: (m) => m.surface_quality_area_percent, sense: 1 },
-  { label: 'Along the tension', unit: '% of critical tets', read: (m) => m.strength_critical_percent, sense: 1 },
+  { label: 'Support free', unit: '% of area', read: (m) => m.support_free_area_percent, sense: 1 },
+  { label: 'Mean overhang beyond 45°', unit: '°', read: (m) => m.support_free_mean_violation_deg, sense: -1 },
+  { label: 'Without stair-steps', unit: '% of area', read: (m) => m.surface_quality_area_percent, sense: 1 },
+  { label: 'Along the tension', unit: '% of tets', read: (m) => m.strength_critical_percent, sense: 1 },
   { label: 'Support material', unit: 'mm³', read: (m) => m.support_volume_mm3, sense: -1 },
   { label: 'Surface error, mean', unit: 'mm', read: (m) => m.surface_error_mm?.avg, sense: -1 },
   { label: 'Surface error, largest', unit: 'mm', read: (m) => m.surface_error_mm?.max, sense: -1 },
@@ -48,8 +48,8 @@ const METRICS: MetricInfo[] = [
   { label: 'Layer pieces', unit: '', read: (m) => m.components, sense: 0 },
   { label: 'Thinnest layer', unit: 'mm', read: (m) => m.thickness_mm?.min, sense: 0 },
   { label: 'Thickest layer', unit: 'mm', read: (m) => m.thickness_mm?.max, sense: 0 },
-  { label: 'Outside thickness', unit: '% of layer area', read: (m) => m.thickness_outside_area_percent, sense: -1 },
-  { label: 'Coverage', unit: '% of layer area', read: (m) => m.coverage_percent, sense: 1 },
+  { label: 'Outside thickness', unit: '%', read: (m) => m.thickness_outside_area_percent, sense: -1 },
+  { label: 'Coverage', unit: '%', read: (m) => m.coverage_percent, sense: 1 },
   { label: 'Foldovers', unit: 'tets', read: (m) => m.foldovers, sense: -1 },
   { label: 'Gouging', unit: 'places', read: (m) => m.gouging_pairs, sense: -1 },
   { label: 'Islands', unit: 'places', read: (m) => m.islands, sense: -1 },

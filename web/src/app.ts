@@ -54,7 +54,6 @@ export interface Events {
   /** A stage has (new) results. */
   done: Stage;
   problem: Problem;
-  notice: string;
 }
 type Listener<Name extends keyof Events> = (payload: Events[Name]) => void;
 
@@ -86,6 +85,7 @@ export class App {
   #jobTimer: ReturnType<typeof setTimeout> | null = null;
   #queue: Promise<unknown> = Promise.resolve();
   #epoch = 0;
+  #starting = false;
   #threads: number | undefined;
 
   constructor(engineUrl: string, makeWorker: (name: string) => WorkerLike, threads?: number) {
@@ -120,6 +120,7 @@ export class App {
 
   /** Loads the engine. Settings that are there already stay. */
   async start(): Promise<void> {
+    this.#starting = true;
     try {
       this.engine = await this.client.start({ engineUrl: this.#engineUrl, ...(this.#threads ? { threads: this.#threads } : {}) });
       this.fields = schemaFields(this.engine.schema);
@@ -132,6 +133,8 @@ export class App {
     } catch (error) {
       this.fail(error, 'The slicing engine could not be loaded');
     }
+    this.#starting = false;
+    this.#emit('running');
   }
 
   // --- model
@@ -284,7 +287,7 @@ export class App {
 
   /** What stands against slicing, for people; empty when nothing does. */
   obstacle(): string {
-    if (!this.engine) return 'The slicing engine is loading';
+    if (!this.engine) return this.#starting ? 'The slicing engine is loading' : 'The slicing engine does not run; open a file to start it again';
     if (!this.model) return 'Open a model first';
     if (Number(this.param('objectives.strength')) > 0 && !this.settings.stress && !this.settings.loadFile) {
       const problems = loadProblems(this.settings.loads);
@@ -295,6 +298,8 @@ export class App {
 
   /** Everything that is not done. */
   async slice(): Promise<void> {
+    if (this.running && this.running.until !== 'mesh') return;
+    await this.#queue;  // the part may still be on its way to the plate
     if (this.running || this.obstacle()) return;
     try {
       await this.sendJob();
@@ -462,9 +467,6 @@ export class App {
     } else {
       this.#problem(title, error instanceof Error ? error.message : String(error), '');
     }
-  }
-  notify(text: string): void {
-    this.#emit('notice', text);
   }
   #problem(title: string, message: string, hint: string, places: [number, number, number][] = [], frame: 'file' | 'rest' = 'rest'): void {
     this.#emit('problem', { title, message, hint, places, frame });

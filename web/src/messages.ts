@@ -1,4 +1,4 @@
-// What went wrong: what, where, what to do. And short notices that go by themselves.
+// What went wrong: what, where, what to do.
 import type { App } from './app.ts';
 import { h, icon, iconButton } from './dom.ts';
 
@@ -11,11 +11,6 @@ export function makeMessages(app: App, host: HTMLElement, mark: (places: [number
       iconButton('close', 'Close', close));
     while (host.childElementCount >= 3) host.firstElementChild!.remove();
     host.append(element);
-    app.on('model', close);
   });
-  app.on('notice', (text) => {
-    const element = h('div', { class: 'message' }, icon('check'), h('div', { class: 'body' }, text));
-    host.append(element);
-    setTimeout(() => element.remove(), 5000);
-  });
+  app.on('model', () => host.replaceChildren());  // they were about the part before
 }

@@ -37,7 +37,7 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
       infos.length === 0 ? h('p', { class: 'muted' }, app.running ? 'Files are listed when the run has ended.' : 'Slice the part to get its files.') : null,
       infos.length > 0 ? h('div', { class: 'grid2' },
         ...single.map((info) => button(fileTitle(info.name), info.name, () => void save(info), info.name)),
-        layers.length > 0 ? button(`Layers, ${layers.length} PLY`, 'layers/*.ply in one ZIP file', () => void saveLayers(layers), 'layers') : null,
+        layers.length > 0 ? button('Layers PLY', `${layers.length} files layers/*.ply in one ZIP`, () => void saveLayers(layers), 'layers') : null,
         button('Project', 'Model, settings and loads: opens again here, and natively', () => void actions.saveProject(), 'project'),
         button('Picture', 'What the view shows, as PNG', () => void actions.picture(), 'picture')) : null);
   }
