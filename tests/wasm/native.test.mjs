@@ -36,7 +36,7 @@ function* numbers(value, place = '') {
 for (const threads of [1, 2])
   test(`layers and figures with ${threads} thread(s) are those of the native program`, async () => {
     const folder = mkdtempSync(join(tmpdir(), 's3native-'));
-    const block = leaningBlock([6, 5, 8], [12, 10, 16]);
+    const block = leaningBlock([6, 5, 8], [12, 10, 16], 0.6);
     writeFileSync(join(folder, 'block.tet'), block);
     try {
       const out = join(folder, 'out');
