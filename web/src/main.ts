@@ -175,8 +175,9 @@ window.addEventListener('keydown', (event) => {
 
 registerServiceWorker(() => app.model === null);
 app.on('engine', () => {
-  const name = app.engine && app.engine.threads > 1 ? 's3slicer-threads' : 's3slicer';
-  keepForOffline(['.mjs', '.wasm'].map((ending) => new URL(`${__ENGINE__}${name}${ending}`, document.baseURI).href));
+  const threaded = app.engine !== null && app.engine.threads > 1;
+  const files = threaded ? ['s3slicer-threads.mjs', 's3slicer-threads.wasm', 's3slicer-threads.worker.js'] : ['s3slicer.mjs', 's3slicer.wasm'];
+  keepForOffline(files.map((name) => new URL(__ENGINE__ + name, document.baseURI).href));
 });
 // For measurements in the browser tests: frame times and draw calls.
 Object.assign(window, { s3: { app, workspace: view } });
