@@ -199,11 +199,13 @@ std::string ternary_svg(const TernaryPlot& plot) {
                     svg_number(width) + "\" height=\"" + svg_number(height) +
                     "\" fill=\"#ffffff\"/>\n";
   add_text(svg, {0.5 * width, 28}, plot.title, "middle", " font-size=\"16\" font-weight=\"bold\"");
-  for (std::size_t i = 0; i < plot.figures.size(); ++i)
+  for (std::size_t i = 0; i < plot.figures.size(); ++i) {
+    const std::size_t row = i / columns, column = i % columns;
     add_panel(svg,
-              {kPanelWidth * static_cast<double>(i % columns),
-               kHeader + kPanelHeight * static_cast<double>(i / columns)},
+              {kPanelWidth * static_cast<double>(column),
+               kHeader + kPanelHeight * static_cast<double>(row)},
               plot, plot.figures[i]);
+  }
   return svg + "</svg>\n";
 }
 
