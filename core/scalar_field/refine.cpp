@@ -21,7 +21,7 @@ constexpr int kIterations = 60;
 constexpr int kStrengthIterations = 160;  // SR turns layers far: topopt gains 1 point of SF and SR
 
 // Weights, for each mm³ of the solid; only their ratios matter.
-constexpr double kHard = 15;   // on tets with a surface or stress objective: the unit of the others
+constexpr double kHard = 25;   // on tets with a surface or stress objective: the unit of the others
 constexpr double kRange = 10;  // the same constraints on all other tets, which have only to follow
 constexpr double kConcavity = 60;    // on faces; 30 leaves some valleys
 constexpr double kSmoothness = 0.2;  // squared jump of ∇G; much more keeps overhangs from turning
