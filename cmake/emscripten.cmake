@@ -2,7 +2,8 @@
 
 option(S3_WASM_THREADS "WebAssembly: build with threads (pthreads over SharedArrayBuffer)" OFF)
 
-add_compile_options(-fwasm-exceptions -msimd128)
+# No -msimd128: clang 14 then vectorises straight code wrongly (-fno-slp-vectorize hides it), and models were placed askew.
+add_compile_options(-fwasm-exceptions)
 add_link_options(-fwasm-exceptions -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=8MB)
 if(S3_WASM_THREADS)
   add_compile_options(-pthread "$<$<COMPILE_LANGUAGE:CXX>:SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/emscripten/thread_exceptions.h>")

@@ -45,7 +45,7 @@ export async function load(options = {}) {
       code: 'engine.load',
       stage: null,
       message: `The engine could not be loaded from ${base.href}: ${messageOf(error)}`,
-      hint: 'Check that the folder is served with the .wasm file in it, and that the browser knows WebAssembly with SIMD and exceptions',
+      hint: 'Check that the folder is served with the .wasm file in it, and that the browser knows WebAssembly with exceptions',
       places: [],
     });
   } finally {

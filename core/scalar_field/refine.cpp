@@ -39,7 +39,8 @@ constexpr double kStrengthReach = 0.3;
 // weight of Geman and McClure). Otherwise critical tets that stand on the plate tear the layers
 // around them and win nothing: on the bundled bridge 200 valleys over 20° become 11.
 constexpr double kFadeBegin = 0.3, kFadeEnd = 0.8;
-constexpr double kFarFade = 3, kNearFade = 0.2;  // of the usual ‖∇G‖
+constexpr double kNearFade = 0.2;  // of the usual ‖∇G‖, at the end
+constexpr int kFadeHalvings = 4;
 
 // Constraints aim this far inside their border: solutions come to lie around it.
 constexpr double kAlphaMargin = radians(2);
@@ -82,8 +83,11 @@ double jump_limit(double t2, double b, double tan_angle) {
 // Where pulls begin to fade, of the usual ‖∇G‖, after this share of the iterations.
 double fade_distance(double progress) {
   if (progress < kFadeBegin) return std::numeric_limits<double>::infinity();
-  const double x = std::min(1.0, (progress - kFadeBegin) / (kFadeEnd - kFadeBegin));
-  return kFarFade * std::pow(kNearFade / kFarFade, x);
+  const double left =
+      kFadeHalvings * std::max(0.0, (kFadeEnd - progress) / (kFadeEnd - kFadeBegin));
+  // Straight between the powers of two: no library function, so that every machine agrees.
+  const double whole = std::floor(left);
+  return std::ldexp(kNearFade * (1 + left - whole), static_cast<int>(whole));
 }
 
 double median_length(const Points& vectors) {

@@ -110,17 +110,20 @@ test('wrong calls are usage errors and leave the engine alive', async () => {
 test('what a callback throws arrives, and the stage can be done again', async () => {
   const slicer = slicerWithBlock();
   class Mine extends Error {}
+  // The first report to come: which stage lasts long enough for one depends on the machine.
   await assert.rejects(
     slicer.run({
-      onProgress: ({ stage }) => {
-        if (stage === 'scalar_field') throw new Mine('enough');
+      onProgress: () => {
+        throw new Mine('enough');
       },
     }),
     Mine,
   );
-  const { state } = slicer.stages().find(({ stage }) => stage === 'outer_loop');
-  assert.equal(state, 'fresh');
-  await slicer.runTo('outer_loop');
+  const states = slicer.stages().map(({ state }) => state);
+  assert.deepEqual(states, states.toSorted((a, b) => ['done', 'fresh'].indexOf(a) - ['done', 'fresh'].indexOf(b)));
+  assert.notEqual(states.at(-1), 'done');
+  await slicer.run();
+  assert.equal(slicer.stages().at(-1).state, 'done');
   slicer.dispose();
 });
 

@@ -33,10 +33,19 @@ function* numbers(value, place = '') {
     for (const [key, inner] of Object.entries(value)) yield* numbers(inner, `${place}.${key}`);
 }
 
-for (const threads of [1, 2])
-  test(`layers and figures with ${threads} thread(s) are those of the native program`, async () => {
+/**
+ * Layers of an upright block need nothing but arithmetic. Those of a leaning one come from sines and arc cosines, whose last digits
+ * differ between libraries, and a hundred iterations in which such differences grow: 2e-8 mm were seen.
+ */
+const blocks = [
+  { name: 'an upright block', lean: 0, bound: 1e-9 },
+  { name: 'a leaning block', lean: 1.2, bound: 1e-6 },
+];
+
+for (const [threads, { name, lean, bound }] of [1, 2].flatMap((n) => blocks.map((block) => [n, block])))
+  test(`layers and figures of ${name} with ${threads} thread(s) are those of the native program`, async () => {
     const folder = mkdtempSync(join(tmpdir(), 's3native-'));
-    const block = leaningBlock([6, 5, 8], [12, 10, 16], 0.6);
+    const block = leaningBlock([6, 5, 8], [12, 10, 16], 0.6, lean);
     writeFileSync(join(folder, 'block.tet'), block);
     try {
       const out = join(folder, 'out');
@@ -56,7 +65,7 @@ for (const threads of [1, 2])
         assert.deepEqual(here.triangles, native.triangles, file);
         worst = Math.max(worst, largestDifference(here.vertices, native.vertices));
       }
-      assert.ok(worst <= 1e-9, `layers differ by ${worst}`);
+      assert.ok(worst <= bound, `layers differ by ${worst}`);
 
       const native = JSON.parse(readFileSync(join(out, 'report.json'), 'utf8'));
       const here = slicer.report();
