@@ -37,7 +37,7 @@ constexpr double kStrengthReach = 0.3;
 // Then they give up: from the first share of the iterations to the second, the distance at which
 // the pull begins to fade shrinks (graduated non-convexity, Blake and Zisserman 1987, with the
 // weight of Geman and McClure). Otherwise critical tets that stand on the plate tear the layers
-// around them and win nothing: on the bundled bridge 200 valleys over 20° become 11.
+// around them and win nothing: on the bundled bridge 200 valleys over 20° become 24.
 constexpr double kFadeBegin = 0.3, kFadeEnd = 0.8;
 constexpr double kNearFade = 0.2;  // of the usual ‖∇G‖, at the end
 constexpr int kFadeHalvings = 4;
