@@ -342,6 +342,26 @@ class Slicer {
       apply(params);
     });
   }
+  val set_critical_region(const val& array, const std::string& name) {
+    return guarded([&] {
+      const auto file = bytes_of(array);
+      if (!file.empty()) read_region_file(file, name, Stage::fea);
+      Params params = given_;
+      params.strength.critical_region = name;
+      pipeline_.set_critical_region(file, name);
+      apply(params);
+    });
+  }
+  val set_surface_region(const val& array, const std::string& name) {
+    return guarded([&] {
+      const auto file = bytes_of(array);
+      if (!file.empty()) read_region_file(file, name, Stage::objectives);
+      Params params = given_;
+      params.objectives.surface_region = name;
+      pipeline_.set_surface_region(file, name);
+      apply(params);
+    });
+  }
   val set_params(const std::string& json, bool from_defaults) {
     return guarded([&] {
       Params params = from_defaults ? with_files_of(given_) : given_;
@@ -364,6 +384,8 @@ class Slicer {
     out.set("model", file_value(pipeline_.model()));
     out.set("stress", file_value(pipeline_.stress_file()));
     out.set("loadCase", file_value(pipeline_.load_case_file()));
+    out.set("criticalRegion", file_value(pipeline_.critical_region_file()));
+    out.set("surfaceRegion", file_value(pipeline_.surface_region_file()));
     return out;
   }
   val inspect() {
@@ -657,6 +679,8 @@ class Slicer {
     defaults.model = params.model;
     defaults.strength.load_case = params.strength.load_case;
     defaults.strength.stress_file = params.strength.stress_file;
+    defaults.strength.critical_region = params.strength.critical_region;
+    defaults.objectives.surface_region = params.objectives.surface_region;
     return defaults;
   }
   /// Keeps the parameters once the pipeline has taken them.
@@ -702,6 +726,8 @@ EMSCRIPTEN_BINDINGS(s3slicer) {
       .function("setModel", &Slicer::set_model)
       .function("setStress", &Slicer::set_stress)
       .function("setLoadCase", &Slicer::set_load_case)
+      .function("setCriticalRegion", &Slicer::set_critical_region)
+      .function("setSurfaceRegion", &Slicer::set_surface_region)
       .function("setParams", &Slicer::set_params)
       .function("setMachineProfile", &Slicer::set_machine_profile)
       .function("givenParams", &Slicer::given_params)

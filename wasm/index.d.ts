@@ -311,6 +311,18 @@ export interface Slicer {
    */
   setLoadCase(loadCase: Bytes | string | object | null, fileName?: string): void;
   /**
+   * The tets that are critical beside those of the largest tension: a region file as bytes, text or object. Sets
+   * `strength.critical_region`; null takes it away.
+   * @throws {SlicerError} `fea.bad_region` with the place in the file
+   */
+  setCriticalRegion(region: Bytes | string | object | null, fileName?: string): void;
+  /**
+   * The faces that surface quality is for: a region file as bytes, text or object. Sets `objectives.surface_region`;
+   * null takes it away.
+   * @throws {SlicerError} `objectives.bad_region` with the place in the file
+   */
+  setSurfaceRegion(region: Bytes | string | object | null, fileName?: string): void;
+  /**
    * Sets the parameters that are named; the others keep their values.
    * @throws {SlicerError} `params.unknown_key`, `params.wrong_type`, `params.out_of_range`, `machine.unknown`: names
    * key, value and range. Nothing is changed then.
@@ -330,7 +342,7 @@ export interface Slicer {
   /** The effective parameters, nested: nothing left to be derived. As job.json. */
   params(): Params;
   /** Copies of the files that were set, also by openProject(); null where there is none. */
-  inputFiles(): { model: InputFile | null; loadCase: InputFile | null; stress: InputFile | null };
+  inputFiles(): Record<'model' | 'loadCase' | 'stress' | 'criticalRegion' | 'surfaceRegion', InputFile | null>;
   schema(): JsonSchema;
   /** The model that was set, as Engine.inspect(). */
   inspect(): Inspection;
@@ -408,7 +420,7 @@ export interface Slicer {
   exportFile(name: string): Uint8Array;
 
   /**
-   * Model, parameters, load case, stress and machine profile as one ZIP file (stored, not packed): job.json beside the
+   * Model, parameters, load case, regions, stress and machine profile as one ZIP file (stored, not packed): job.json beside the
    * files that it names, so that unpacked it runs natively too, with `s3slice run --config job.json -o OUTDIR`.
    * @param extra  anything of the caller's that survives JSON
    */
@@ -423,6 +435,11 @@ export interface Slicer {
   /** Frees its memory for other slicers of the engine. Further calls throw `engine.usage`. */
   dispose(): void;
 }
+
+/**
+ * Files as one ZIP archive, stored and not packed; equal files give equal archives.
+ */
+export function writeZip(entries: readonly InputFile[]): Uint8Array<ArrayBuffer>;
 
 // --- arrays ----------------------------------------------------------------------------------------------------------
 
@@ -619,6 +636,8 @@ export interface Metrics {
   support_free_area_percent: number | null;
   support_free_mean_violation_deg: number | null;
   surface_quality_area_percent: number | null;
+  /** Of the faces in objectives.surface_region; null without one. */
+  surface_quality_region_percent: number | null;
   strength_critical_percent: number | null;
   pi_rad: number | null;
   foldovers: number | null;

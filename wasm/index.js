@@ -1,8 +1,8 @@
 // S³ Slicer for JavaScript: loads the WebAssembly module and wraps its classes. The API is described in index.d.ts.
 import { SlicerError, usageError } from './errors.js';
-import { packProject, unpackProject } from './project.js';
+import { packProject, unpackProject, writeZip } from './project.js';
 
-export { SlicerError };
+export { SlicerError, writeZip };
 
 export const pathKinds = Object.freeze(/** @type {const} */ (['wall', 'infill', 'gap_fill']));
 
@@ -312,6 +312,24 @@ class Slicer {
     const name = loadCase === null ? '' : asText(fileName, 'The file name');
     this.#call((native) => native.setLoadCase(array, name));
   }
+  /**
+   * @param {import('./index.d.ts').Bytes | string | object | null} region
+   * @param {string} [fileName]
+   */
+  setCriticalRegion(region, fileName = 'critical.json') {
+    const array = region === null ? new Uint8Array(0) : bytesOfJson(region);
+    const name = region === null ? '' : asText(fileName, 'The file name');
+    this.#call((native) => native.setCriticalRegion(array, name));
+  }
+  /**
+   * @param {import('./index.d.ts').Bytes | string | object | null} region
+   * @param {string} [fileName]
+   */
+  setSurfaceRegion(region, fileName = 'surface.json') {
+    const array = region === null ? new Uint8Array(0) : bytesOfJson(region);
+    const name = region === null ? '' : asText(fileName, 'The file name');
+    this.#call((native) => native.setSurfaceRegion(array, name));
+  }
   /** @param {import('./index.d.ts').Params} params */
   setParams(params) {
     const json = JSON.stringify(nested(params));
@@ -474,6 +492,8 @@ class Slicer {
     if (project.machine !== null) this.setMachineProfile(project.params.machine, project.machine);
     this.setLoadCase(project.loadCase?.bytes ?? null, project.loadCase?.name);
     this.setStress(project.stress?.bytes ?? null, project.stress?.name);
+    this.setCriticalRegion(project.criticalRegion?.bytes ?? null, project.criticalRegion?.name);
+    this.setSurfaceRegion(project.surfaceRegion?.bytes ?? null, project.surfaceRegion?.name);
     this.setModel(project.model.bytes, project.model.name);
     this.resetParams(project.params);
     return project.extra;

@@ -9,7 +9,8 @@ const END = 0x06054b50;
 
 /**
  * @typedef {{name: string, bytes: Uint8Array}} NamedBytes
- * @typedef {{params: any, model: NamedBytes, stress: NamedBytes | null, loadCase: NamedBytes | null, machine: string | null, extra: unknown}} Project
+ * @typedef {NamedBytes | null} MaybeFile
+ * @typedef {{params: any, model: NamedBytes, stress: MaybeFile, loadCase: MaybeFile, criticalRegion: MaybeFile, surfaceRegion: MaybeFile, machine: string | null, extra: unknown}} Project
  */
 
 const encode = (/** @type {unknown} */ json) => new TextEncoder().encode(JSON.stringify(json, null, 2) + '\n');
@@ -28,7 +29,7 @@ function entryName(name, taken) {
 }
 
 /** @param {Project} project */
-export function packProject({ params, model, stress, loadCase, machine, extra }) {
+export function packProject({ params, model, stress, loadCase, criticalRegion, surfaceRegion, machine, extra }) {
   const taken = new Set(['job.json', 'project.json']);
   const job = structuredClone(params);
   /** @type {Record<string, {entry: string, name: string}>} */
@@ -44,6 +45,8 @@ export function packProject({ params, model, stress, loadCase, machine, extra })
   job.model = add('model', model.name, model.bytes);
   if (stress) job.strength.stress_file = add('stress', stress.name, stress.bytes);
   if (loadCase) job.strength.load_case = add('loadCase', loadCase.name, loadCase.bytes);
+  if (criticalRegion) job.strength.critical_region = add('criticalRegion', criticalRegion.name, criticalRegion.bytes);
+  if (surfaceRegion) job.objectives.surface_region = add('surfaceRegion', surfaceRegion.name, surfaceRegion.bytes);
   if (machine !== null) job.machine = add('machine', params.machine, new TextEncoder().encode(machine));
   entries.unshift(
     { name: 'job.json', bytes: encode(job) },
@@ -76,6 +79,8 @@ export function unpackProject(bytes) {
     model,
     stress: file('stress'),
     loadCase: file('loadCase'),
+    criticalRegion: file('criticalRegion'),
+    surfaceRegion: file('surfaceRegion'),
     machine: machine && new TextDecoder().decode(machine.bytes),
     extra: project.extra ?? null,
   };
@@ -119,8 +124,8 @@ function crc32(bytes) {
 const DOS_DATE = (1 << 5) | 1;  // 1 January 1980: equal projects give equal files
 const UTF8 = 0x0800;
 
-/** @param {NamedBytes[]} entries */
-function writeZip(entries) {
+/** @type {typeof import('./index.d.ts').writeZip} */
+export function writeZip(entries) {
   const names = entries.map(({ name }) => new TextEncoder().encode(name));
   const total = entries.reduce((sum, { bytes }, i) => sum + 30 + 46 + 2 * names[i].length + bytes.length, 22);
   const out = new Uint8Array(total);

@@ -21,18 +21,24 @@ constexpr std::size_t kMostCases = 64, kMostConditions = 100, kMostShapes = 1000
 constexpr std::size_t kMostPoints = 100000;
 constexpr double kPaperRatio = 1.2 / 3.5;  // Y2 / Y1, Sec. 5.2.3
 
+/// What is read, and by which names its faults go.
+struct Source {
+  std::string_view file;
+  Stage stage;
+  std::string code, hint;
+};
+
 /// A value of the file with its place in it, for messages.
 class Node {
  public:
-  Node(const Json& json, std::string_view file, std::string place)
-      : json_(json), file_(file), place_(std::move(place)) {}
+  Node(const Json& json, const Source& source, std::string place)
+      : json_(json), source_(source), place_(std::move(place)) {}
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw Error(ErrorKind::input, Stage::fea, "fea.bad_load_case",
-                std::string(file_) + ": " + (place_.empty() ? std::string("the file") : place_) +
-                    " " + what + ".",
-                "The form of a load case is described in core/fea/load_case.h; start from one of "
-                "models/*.load.json.");
+    throw Error(ErrorKind::input, source_.stage, source_.code,
+                std::string(source_.file) + ": " +
+                    (place_.empty() ? std::string("the file") : place_) + " " + what + ".",
+                source_.hint);
   }
 
   const std::string& place() const { return place_; }
@@ -58,7 +64,7 @@ class Node {
   std::optional<Node> find(const char* key) const {
     const auto found = json_.find(key);
     if (found == json_.end()) return std::nullopt;
-    return Node(*found, file_, place_.empty() ? key : place_ + "." + key);
+    return Node(*found, source_, place_.empty() ? key : place_ + "." + key);
   }
   Node at(const char* key) const {
     const std::optional<Node> found = find(key);
@@ -71,7 +77,7 @@ class Node {
     if (json_.size() > most) fail("has more than " + std::to_string(most) + " members");
     std::vector<Node> nodes;
     for (std::size_t i = 0; i < json_.size(); ++i)
-      nodes.emplace_back(json_[i], file_, place_ + "[" + std::to_string(i) + "]");
+      nodes.emplace_back(json_[i], source_, place_ + "[" + std::to_string(i) + "]");
     return nodes;
   }
 
@@ -91,7 +97,7 @@ class Node {
     Vec3 value;
     for (std::size_t i = 0; i < 3; ++i)
       value[static_cast<Eigen::Index>(i)] =
-          Node(json_[i], file_, place_ + "[" + std::to_string(i) + "]").number();
+          Node(json_[i], source_, place_ + "[" + std::to_string(i) + "]").number();
     return value;
   }
   Vec3 direction() const {
@@ -102,7 +108,7 @@ class Node {
 
  private:
   const Json& json_;
-  std::string_view file_;
+  const Source& source_;
   std::string place_;
 };
 
@@ -303,13 +309,13 @@ void check_density(const Node& root, const LoadCases& file) {
         root.fail("has gravity, but its material has no density");
 }
 
-Json parse(std::span<const std::byte> bytes, std::string_view file_name) {
+Json parse(std::span<const std::byte> bytes, const Source& source) {
   try {
     return Json::parse(as_text(bytes));
   } catch (const Json::exception& error) {
     throw Error(
-        ErrorKind::input, Stage::fea, "fea.bad_load_case",
-        std::string(file_name) + " is no JSON: " + error.what() + ".",
+        ErrorKind::input, source.stage, source.code,
+        std::string(source.file) + " is no JSON: " + error.what() + ".",
         "Numbers must be finite and written in full; see core/fea/load_case.h for the form.");
   }
 }
@@ -317,14 +323,28 @@ Json parse(std::span<const std::byte> bytes, std::string_view file_name) {
 }  // namespace
 
 LoadCases read_load_cases(std::span<const std::byte> bytes, std::string_view file_name) {
-  const Json json = parse(bytes, file_name);
-  const Node root(json, file_name, "");
+  const Source source{file_name, Stage::fea, "fea.bad_load_case",
+                      "The form of a load case is described in core/fea/load_case.h; start from "
+                      "one of models/*.load.json."};
+  const Json json = parse(bytes, source);
+  const Node root(json, source, "");
   root.expect_keys({"material", "regions", "conditions", "cases", "about"});
   const NamedRegions named = read_regions(root);
   LoadCases file{read_material(root), {}, {}};
   read_cases(root, named, file);
   check_density(root, file);
   return file;
+}
+
+Region read_region_file(std::span<const std::byte> bytes, std::string_view file_name, Stage stage) {
+  const Source source{file_name, stage, std::string(stage_name(stage)) + ".bad_region",
+                      "The form of a region file is described in core/fea/load_case.h."};
+  const Json json = parse(bytes, source);
+  const Node root(json, source, "");
+  root.expect_keys({"region", "regions", "about"});
+  Region region = read_region(root.at("region"), read_regions(root));
+  region.name = "of " + std::string(file_name);
+  return region;
 }
 
 }  // namespace s3

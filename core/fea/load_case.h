@@ -36,6 +36,11 @@
 //   or it is {"gravity": [x, y, z]} in m/s², on the whole part.
 // * `conditions` at the top hold in every case. Without `cases` they are the only one.
 // * `about` may hold any text.
+//
+// A region file (objectives.surface_region, strength.critical_region) has regions alone:
+//
+// { "region": ["ears", {"box": {"min": [0, 0, 0], "max": [9, 9, 40]}}],
+//   "regions": { "ears": {"half_space": {"point": [0, 0, 95], "normal": [0, 0, 1]}} } }
 #pragma once
 #include <array>
 #include <cstddef>
@@ -47,6 +52,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/stage.h"
 #include "base/types.h"
 #include "fea/material.h"
 
@@ -114,5 +120,9 @@ struct LoadCases {
 /// @throws Error "fea.bad_load_case" with the place in the file: unknown keys, numbers that are
 /// none, missing parts; "fea.bad_material"
 LoadCases read_load_cases(std::span<const std::byte> bytes, std::string_view file_name);
+
+/// Reads a region file, for a stage that uses the faces or tets of it.
+/// @throws Error "<stage>.bad_region" with the place in the file
+Region read_region_file(std::span<const std::byte> bytes, std::string_view file_name, Stage stage);
 
 }  // namespace s3

@@ -32,6 +32,27 @@ std::string number(double value) {
   return text.data();
 }
 
+// How far a point is from a solid shape, mm: 0 or less inside.
+double distance(const Vec3& p, const HalfSpace& half) {
+  return -(p - half.point).dot(half.normal);
+}
+double distance(const Vec3& p, const BoxRegion& box) {
+  return (box.low - p).cwiseMax(p - box.high).cwiseMax(0.0).norm();
+}
+double distance(const Vec3& p, const SphereRegion& sphere) {
+  return (p - sphere.center).norm() - sphere.radius;
+}
+// The others are of the surface alone.
+double distance(const Vec3&, const PlateContact&) {
+  return kNever;
+}
+double distance(const Vec3&, const PlaneContact&) {
+  return kNever;
+}
+double distance(const Vec3&, const PickedFaces&) {
+  return kNever;
+}
+
 /// The boundary faces as regions see them.
 class Surface {
  public:
@@ -71,14 +92,13 @@ class Surface {
     return farthest - tolerance;
   }
   double distance(Eigen::Index f, const HalfSpace& half) const {
-    return -(centroid(f) - half.point).dot(half.normal);
+    return s3::distance(centroid(f), half);
   }
   double distance(Eigen::Index f, const BoxRegion& box) const {
-    const Vec3 c = centroid(f);
-    return (box.low - c).cwiseMax(c - box.high).cwiseMax(0.0).norm();
+    return s3::distance(centroid(f), box);
   }
   double distance(Eigen::Index f, const SphereRegion& sphere) const {
-    return (centroid(f) - sphere.center).norm() - sphere.radius;
+    return s3::distance(centroid(f), sphere);
   }
 
   /// Sets the flags of the faces nearest to the points, and of those that a face's angle reaches.
@@ -147,7 +167,7 @@ struct Nearest {
   Vec3 place = Vec3::Zero();
 };
 
-[[noreturn]] void empty_region(const Surface& surface, const std::string& name,
+[[noreturn]] void empty_region(const Surface& surface, const std::string& name, Stage stage,
                                const Nearest& nearest) {
   std::string message = "The region " + name + " contains no face of the part, which stands from " +
                         text_of(surface.box().min()) + " to " + text_of(surface.box().max()) +
@@ -158,14 +178,19 @@ struct Nearest {
         .append(" mm away at ")
         .append(text_of(nearest.place));
   throw Error(
-      ErrorKind::input, Stage::fea, "fea.empty_region", message + ".",
+      ErrorKind::input, stage, std::string(stage_name(stage)) + ".empty_region", message + ".",
       "Regions count from the part as it stands on the plate (z up, plate at z = 0, after "
       "input.up, input.scale and input.rotate); move or widen the region, or turn its normal "
       "outward.",
       std::isfinite(nearest.distance) ? std::vector<Vec3>{nearest.place} : std::vector<Vec3>{});
 }
 
-std::vector<Index> faces_of(const Surface& surface, const Region& region) {
+struct Faces {
+  std::vector<Index> found;  // ascending
+  Nearest nearest;           // of those that were looked at
+};
+
+Faces faces_of(const Surface& surface, const Region& region) {
   std::vector<char> chosen(static_cast<std::size_t>(surface.count()), 0);
   Nearest nearest;
   for (const Shape& shape : region.shapes) {
@@ -189,8 +214,13 @@ std::vector<Index> faces_of(const Surface& surface, const Region& region) {
   std::vector<Index> faces;
   for (Index f = 0; f < surface.count(); ++f)
     if (chosen[static_cast<std::size_t>(f)] != 0) faces.push_back(f);
-  if (faces.empty()) empty_region(surface, region.name, nearest);
-  return faces;
+  return {std::move(faces), nearest};
+}
+
+std::vector<Index> some_faces_of(const Surface& surface, const Region& region, Stage stage) {
+  Faces faces = faces_of(surface, region);
+  if (faces.found.empty()) empty_region(surface, region.name, stage, faces.nearest);
+  return std::move(faces.found);
 }
 
 /// One case, condition after condition.
@@ -309,8 +339,27 @@ void check_held(const TetMesh& rest, const Loading& loading, const LoadCase& one
 
 }  // namespace
 
-std::vector<Index> region_faces(const TetMesh& rest, const Region& region) {
-  return faces_of(Surface(rest), region);
+std::vector<Index> region_faces(const TetMesh& rest, const Region& region, Stage stage) {
+  return some_faces_of(Surface(rest), region, stage);
+}
+
+std::vector<Index> region_tets(const TetMesh& rest, const Region& region) {
+  const Surface surface(rest);
+  const Faces faces = faces_of(surface, region);
+  std::vector<char> chosen(static_cast<std::size_t>(rest.tet_count()), 0);
+  for (const Index f : faces.found)
+    chosen[static_cast<std::size_t>(rest.boundary_face_tet[static_cast<std::size_t>(f)])] = 1;
+  std::vector<Index> tets;
+  for (Index t = 0; t < rest.tet_count(); ++t) {
+    const Vec3 centroid = rest.centroid(t);
+    const bool inside =
+        std::any_of(region.shapes.begin(), region.shapes.end(), [&](const Shape& shape) {
+          return std::visit([&](const auto& s) { return distance(centroid, s) <= 0; }, shape);
+        });
+    if (inside || chosen[static_cast<std::size_t>(t)] != 0) tets.push_back(t);
+  }
+  if (tets.empty()) empty_region(surface, region.name, Stage::fea, faces.nearest);
+  return tets;
 }
 
 std::vector<Loading> apply_load_cases(const TetMesh& rest, const LoadCases& file, Context& ctx) {
@@ -318,7 +367,7 @@ std::vector<Loading> apply_load_cases(const TetMesh& rest, const LoadCases& file
   std::vector<std::vector<Index>> faces;
   for (const Region& region : file.regions) {
     ctx.checkpoint();
-    faces.push_back(faces_of(surface, region));
+    faces.push_back(some_faces_of(surface, region, Stage::fea));
   }
   std::vector<Loading> loadings;
   for (const LoadCase& one : file.cases) {

@@ -17,8 +17,15 @@ struct Loading {
 };
 
 /// The boundary faces of a region, ascending. See load_case.h for which faces a shape takes.
-/// @throws Error "fea.empty_region" with the model's bounds and the nearest face
-std::vector<Index> region_faces(const TetMesh& rest, const Region& region);
+/// @param stage  that asks
+/// @throws Error "<stage>.empty_region" with the model's bounds and the nearest face
+std::vector<Index> region_faces(const TetMesh& rest, const Region& region,
+                                Stage stage = Stage::fea);
+
+/// The tets of a region, ascending: those behind its faces, and those with their centroid in one of
+/// its boxes, spheres and half-spaces.
+/// @throws Error "fea.empty_region"
+std::vector<Index> region_tets(const TetMesh& rest, const Region& region);
 
 /// All cases of a file on a mesh that stands on the plate, checked: every case can be solved.
 /// @throws Error "fea.empty_region"; "fea.unconstrained" when the part could still move as a rigid

@@ -15,6 +15,7 @@ struct StrengthParams {
   std::string stress_file;      // empty for none
   std::string load_case;        // empty for none
   double critical_ratio = 0.3;  // share of the tets in S
+  std::string critical_region;  // region file of tets that S takes in any case; empty for none
   int smoothing = 0;            // passes of smooth_stress()
 };
 
@@ -42,6 +43,13 @@ void describe(Visitor& v, StrengthParams& p) {
               .doc = "Share of all tets, those of the largest tension, that are critical.",
               .min = 0,
               .max = 1,
+              .stage = Stage::fea});
+  v(p.critical_region,
+    ParamInfo{.key = "strength.critical_region",
+              .label = "Critical region",
+              .unit = "",
+              .doc = "JSON file of a region whose tets are critical beside those of the largest "
+                     "tension, in the frame of the part on its plate.",
               .stage = Stage::fea});
   v(p.smoothing,
     ParamInfo{.key = "strength.smoothing",

@@ -124,6 +124,15 @@ std::vector<Index> critical_tets(const Values& principal_value, double ratio) {
   return tets;
 }
 
+void add_critical_tets(const std::vector<Index>& tets, StressField& field) {
+  std::vector<Index> directed, all;
+  for (const Index t : tets)
+    if (field.principal.row(t).squaredNorm() > 0) directed.push_back(t);
+  std::set_union(field.critical_tets.begin(), field.critical_tets.end(), directed.begin(),
+                 directed.end(), std::back_inserter(all));
+  field.critical_tets = std::move(all);
+}
+
 void rotate_stress(StressField& field, const Mat3& rotation) {
   field.principal = (field.principal * rotation.transpose()).eval();
   for (Eigen::Index t = 0; t < field.stress.rows(); ++t) {

@@ -43,6 +43,10 @@ void smooth_stress(const TetMesh& rest, int passes, StressField& field, Context&
 /// is tension (positive). Ties go to the lower index. Ascending.
 std::vector<Index> critical_tets(const Values& principal_value, double ratio);
 
+/// Adds tets to S, where they have a τ_max.
+/// @param tets  ascending
+void add_critical_tets(const std::vector<Index>& tets, StressField& field);
+
 /// Turns directions and tensors with the mesh: x' = R x.
 void rotate_stress(StressField& field, const Mat3& rotation);
 

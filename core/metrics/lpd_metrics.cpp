@@ -55,6 +55,8 @@ LpdAngles lpd_angles(const TetMesh& rest, const ObjectiveField& objectives,
     const FaceAngle angle = face_angle(n, d);
     angles.support_free.push_back({angle.support_free_deg, area});
     angles.surface_quality.push_back({angle.surface_quality_deg, area});
+    if (!objectives.face_in_region.empty() && objectives.face_in_region[i])
+      angles.surface_quality_region.push_back({angle.surface_quality_deg, area});
   }
   if (stress == nullptr) return angles;
   for (const Index t : stress->critical_tets) {
@@ -70,9 +72,11 @@ void lpd_metrics(const LpdAngles& angles, Metrics& metrics) {
   constexpr double kLargest = 90 + kOverhangDeg + kAngleTolerance;
   metrics.support_free_area_percent =
       share_percent(angles.support_free, [](double a) { return a <= kLargest; });
-  metrics.surface_quality_area_percent = share_percent(angles.surface_quality, [](double a) {
+  const auto smooth = [](double a) {
     return a <= kQualityDeg + kAngleTolerance || a >= 90 - kQualityDeg - kAngleTolerance;
-  });
+  };
+  metrics.surface_quality_area_percent = share_percent(angles.surface_quality, smooth);
+  metrics.surface_quality_region_percent = share_percent(angles.surface_quality_region, smooth);
   metrics.strength_critical_percent =
       share_percent(angles.strength, [](double a) { return a <= kStrengthDeg + kAngleTolerance; });
 

@@ -19,6 +19,7 @@ struct LpdAngles {
       support_free;  // angle between n and d, in [0, 180]: up to 135° prints without support
   std::vector<WeightedValue>
       surface_quality;  // angle between ±n and d, in [0, 90]: best near 0° and near 90°
+  std::vector<WeightedValue> surface_quality_region;  // those in the region for SQ
   std::vector<WeightedValue>
       strength;  // angle between ±τ_max and the layer, in [0, 90]: best near 0°
 };

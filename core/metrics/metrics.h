@@ -38,6 +38,8 @@ struct Metrics {
       support_free_mean_violation_deg;  // by how much faces overhang beyond 45°: mean over the area
   std::optional<double> surface_quality_area_percent;  // |n·d| ≤ sin 10°, or at most 10° to ±n
   std::optional<double>
+      surface_quality_region_percent;  // the same of the faces in objectives.surface_region
+  std::optional<double>
       strength_critical_percent;     // critical tets with τ_max within 10° of the layer
   std::optional<double> pi_rad;      // Eq. 13 as a mean angle over S ∪ B
   std::optional<int> foldovers;      // tets of M^d with a volume ≤ 0

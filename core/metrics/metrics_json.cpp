@@ -19,6 +19,7 @@ Json to_json(const Metrics& m) {
   json["support_free_area_percent"] = or_null(m.support_free_area_percent);
   json["support_free_mean_violation_deg"] = or_null(m.support_free_mean_violation_deg);
   json["surface_quality_area_percent"] = or_null(m.surface_quality_area_percent);
+  json["surface_quality_region_percent"] = or_null(m.surface_quality_region_percent);
   json["strength_critical_percent"] = or_null(m.strength_critical_percent);
   json["pi_rad"] = or_null(m.pi_rad);
   json["foldovers"] = or_null(m.foldovers);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "fea/loading.h"
 #include "mesh/tri_mesh.h"
 
 namespace s3 {
@@ -48,7 +49,7 @@ void group_faces_by_tet(const TetMesh& rest, ObjectiveField& field) {
 }  // namespace
 
 ObjectiveField make_objectives(const TetMesh& rest, const ObjectiveParams& params,
-                               const StressField* stress) {
+                               const StressField* stress, const Region* surface_region) {
   ObjectiveField field;
   const Eigen::Index faces = rest.boundary_faces.rows();
   field.face_normal.resize(faces, 3);
@@ -63,9 +64,15 @@ ObjectiveField make_objectives(const TetMesh& rest, const ObjectiveParams& param
   // in the areas reported.
   field.face_exempt = plate_faces(rest);
   field.face_wants_quality.assign(static_cast<std::size_t>(faces), 0);
+  if (surface_region != nullptr) {
+    field.face_in_region.assign(static_cast<std::size_t>(faces), 0);
+    for (const Index f : region_faces(rest, *surface_region, Stage::objectives))
+      field.face_in_region[f] = 1;
+  }
   if (params.surface_quality > 0)
     for (std::size_t f = 0; f < field.face_exempt.size(); ++f)
-      field.face_wants_quality[f] = !field.face_exempt[f];
+      field.face_wants_quality[f] =
+          !field.face_exempt[f] && (surface_region == nullptr || field.face_in_region[f]);
   group_faces_by_tet(rest, field);
   if (params.strength > 0 && stress != nullptr) {
     field.critical.assign(static_cast<std::size_t>(rest.tet_count()), 0);

@@ -1,5 +1,6 @@
 // The objectives of a run as data on the mesh (Sec. 2.1): which faces and tets ask for what.
 #pragma once
+#include <string>
 #include <vector>
 
 #include "base/types.h"
@@ -16,6 +17,7 @@ struct ObjectiveParams {
   double alpha_deg = 45;         // self-supporting angle α, Eq. 1
   double beta_deg = 10;          // tolerance β, Eq. 2
   double gamma_deg = 20;         // cliff angle γ, Eq. 4
+  std::string surface_region;    // region file of the faces that SQ is for; empty for all
 };
 
 template <class Visitor>
@@ -54,6 +56,13 @@ void describe(Visitor& v, ObjectiveParams& p) {
   angle(p.gamma_deg, "objectives.gamma", "Cliff angle",
         "Angle gamma of Eq. 4: how far a face may lean against its layers' normal and still look "
         "smooth.");
+  v(p.surface_region,
+    ParamInfo{.key = "objectives.surface_region",
+              .label = "Surface region",
+              .unit = "",
+              .doc = "JSON file of the region whose faces surface quality is for, in the frame of "
+                     "the part on its plate; empty for the whole surface.",
+              .stage = Stage::objectives});
 }
 
 /// Everything that objectives, weights and metrics ask of a mesh; built once for each mesh and job.
@@ -62,6 +71,7 @@ struct ObjectiveField {
   Values face_area;               // #B mm²
   std::vector<char> face_exempt;  // #B: 1 on plate contact: no SF, no SQ
   std::vector<char> face_wants_quality;  // #B: 1 where SQ applies
+  std::vector<char> face_in_region;      // #B: 1 in the region for SQ; empty without one
   std::vector<Index> boundary_tets;      // B: ascending, unique
   std::vector<Index> tet_face_begin;     // #T+1: offsets into tet_faces
   std::vector<Index> tet_faces;          // boundary faces grouped by tet
@@ -70,8 +80,10 @@ struct ObjectiveField {
   std::vector<char> vertex_on_plate;     // #V: vertices of the plate contact, where G = 0
 };
 
-/// @param stress  may be null where the strength weight is 0
+/// @param stress          may be null where the strength weight is 0
+/// @param surface_region  the faces that SQ is for; null for all
+/// @throws Error "objectives.empty_region"
 ObjectiveField make_objectives(const TetMesh& rest, const ObjectiveParams& params,
-                               const StressField* stress);
+                               const StressField* stress, const Region* surface_region = nullptr);
 
 }  // namespace s3

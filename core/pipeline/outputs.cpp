@@ -96,6 +96,9 @@ std::string summary_table(const Pipeline& pipeline) {
       [](const Metrics& m) { return number(m.support_free_area_percent, 2); });
   row("surface quality, % of the surface",
       [](const Metrics& m) { return number(m.surface_quality_area_percent, 2); });
+  if (c.surface_quality_region_percent)
+    row("surface quality, % of its region",
+        [](const Metrics& m) { return number(m.surface_quality_region_percent, 2); });
   row("strength, % of the critical tets",
       [](const Metrics& m) { return number(m.strength_critical_percent, 2); });
   row("foldovers", [](const Metrics& m) { return number(m.foldovers); });

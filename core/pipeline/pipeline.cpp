@@ -11,6 +11,7 @@
 #include "base/units.h"
 #include "export/authors_waypoints.h"
 #include "export/gcode.h"
+#include "fea/loading.h"
 #include "fea/read_stress.h"
 #include "mesh/parts.h"
 #include "mesh/read_mesh.h"
@@ -60,6 +61,15 @@ StressField in_mesh_order(const StressField& file, const std::vector<Index>& fil
   for (Index& t : stress.critical_tets) t = file_row[static_cast<std::size_t>(t)];
   std::sort(stress.critical_tets.begin(), stress.critical_tets.end());
   return stress;
+}
+
+/// A parameter names a file; its content is given beside it.
+void expect_file(const InputFile& file, Stage stage, const std::string& key,
+                 const std::string& name) {
+  if (name.empty() || !file.bytes.empty()) return;
+  throw Error(ErrorKind::input, stage, std::string(stage_name(stage)) + ".no_region",
+              key + " names " + name + ", which was not given or is empty",
+              "give the file's content, or name none");
 }
 
 /// The baseline's layers, as in the paper's comparison: 0.8 mm under a nozzle of 1 mm (Sec. 5.3).
@@ -171,6 +181,12 @@ void Pipeline::find_stress(Context& ctx) {
   smooth_stress(a.rest, params_.strength.smoothing, *a.stress, ctx);
   a.stress->critical_tets =
       critical_tets(a.stress->principal_value, params_.strength.critical_ratio);
+  expect_file(critical_region_file_, Stage::fea, "strength.critical_region",
+              params_.strength.critical_region);
+  if (!critical_region_file_.bytes.empty())
+    add_critical_tets(region_tets(a.rest, read_region_file(critical_region_file_.bytes,
+                                                           critical_region_file_.name, Stage::fea)),
+                      *a.stress);
 }
 
 StressField Pipeline::imported_stress() const {
@@ -183,8 +199,15 @@ StressField Pipeline::imported_stress() const {
 }
 
 void Pipeline::set_objectives(Context&) {
+  expect_file(surface_region_file_, Stage::objectives, "objectives.surface_region",
+              params_.objectives.surface_region);
+  std::optional<Region> region;
+  if (!surface_region_file_.bytes.empty())
+    region =
+        read_region_file(surface_region_file_.bytes, surface_region_file_.name, Stage::objectives);
   artifacts_.objectives = make_objectives(artifacts_.rest, params_.objectives,
-                                          artifacts_.stress ? &*artifacts_.stress : nullptr);
+                                          artifacts_.stress ? &*artifacts_.stress : nullptr,
+                                          region ? &*region : nullptr);
 }
 
 void Pipeline::deform_part(Context& ctx) {
@@ -312,6 +335,14 @@ void Pipeline::set_load_case(std::span<const std::byte> bytes, std::string file_
   if (!replace(load_case_file_, bytes, std::move(file_name))) return;
   analysed_.reset();
   mark_stale(Stage::fea);
+}
+
+void Pipeline::set_surface_region(std::span<const std::byte> bytes, std::string file_name) {
+  if (replace(surface_region_file_, bytes, std::move(file_name))) mark_stale(Stage::objectives);
+}
+
+void Pipeline::set_critical_region(std::span<const std::byte> bytes, std::string file_name) {
+  if (replace(critical_region_file_, bytes, std::move(file_name))) mark_stale(Stage::fea);
 }
 
 void Pipeline::set_params(const Params& params, const MachineProfile& machine) {

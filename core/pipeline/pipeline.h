@@ -53,6 +53,12 @@ class Pipeline {
   /// The file of strength.load_case; empty bytes for none. Makes the stress and what follows stale,
   /// unless it is the file that was there.
   void set_load_case(std::span<const std::byte> bytes, std::string file_name);
+  /// The file of objectives.surface_region; empty bytes for none. Makes the objectives and what
+  /// follows stale, unless it is the file that was there.
+  void set_surface_region(std::span<const std::byte> bytes, std::string file_name);
+  /// The file of strength.critical_region; empty bytes for none. Makes the stress and what follows
+  /// stale, unless it is the file that was there.
+  void set_critical_region(std::span<const std::byte> bytes, std::string file_name);
   /// Makes stale what the changed parameters' own stages and the machine reach.
   /// @param machine  the profile that params.machine names
   /// @throws Error "params.…" for values that are out of range; nothing is changed then
@@ -68,6 +74,8 @@ class Pipeline {
   const InputFile& model() const { return model_; }
   const InputFile& stress_file() const { return stress_file_; }
   const InputFile& load_case_file() const { return load_case_file_; }
+  const InputFile& surface_region_file() const { return surface_region_file_; }
+  const InputFile& critical_region_file() const { return critical_region_file_; }
 
   /// The effective parameters: nothing left to be derived.
   const Params& params() const { return params_; }
@@ -107,7 +115,7 @@ class Pipeline {
   void mark_stale(Stage first);
   void run_step(std::size_t position, Context& ctx);
 
-  InputFile model_, stress_file_, load_case_file_;
+  InputFile model_, stress_file_, load_case_file_, surface_region_file_, critical_region_file_;
   Params params_;
   MachineProfile machine_;
   Artifacts artifacts_;

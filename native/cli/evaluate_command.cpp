@@ -125,8 +125,12 @@ int evaluate_command(const std::string& folder_name) {
   artifacts.rest = make_tet_mesh(file.vertices, file.tets);
   artifacts.surface = boundary_surface(artifacts.rest);
   artifacts.stress = stress_of(file);
-  artifacts.objectives = make_objectives(artifacts.rest, params.objectives,
-                                         artifacts.stress ? &*artifacts.stress : nullptr);
+  std::optional<Region> region;
+  if (const std::string& name = params.objectives.surface_region; !name.empty())
+    region = read_region_file(read_file(name), name, Stage::objectives);
+  artifacts.objectives =
+      make_objectives(artifacts.rest, params.objectives,
+                      artifacts.stress ? &*artifacts.stress : nullptr, region ? &*region : nullptr);
   const VtuArray& g = array_of(file.point_data, "G", 1, file.vertices.rows());
   const Points deformed =
       rows_of_three(array_of(file.point_data, "deformed", 3, file.vertices.rows()));

@@ -31,6 +31,10 @@ void make_paths_absolute(Params& params, const Params& before, const fs::path& f
     make_absolute(params.strength.stress_file, folder);
   if (params.strength.load_case != before.strength.load_case)
     make_absolute(params.strength.load_case, folder);
+  if (params.strength.critical_region != before.strength.critical_region)
+    make_absolute(params.strength.critical_region, folder);
+  if (params.objectives.surface_region != before.objectives.surface_region)
+    make_absolute(params.objectives.surface_region, folder);
   std::string& machine = params.machine.machine;
   if (machine != before.machine.machine && !is_bundled(machine) && fs::exists(folder / machine))
     make_absolute(machine, folder);
@@ -81,6 +85,16 @@ void set_job(Pipeline& pipeline, const Params& params) {
     const auto bytes = read_file(params.strength.load_case);
     read_load_cases(bytes, params.strength.load_case);  // a fault in it is better said now too
     pipeline.set_load_case(bytes, params.strength.load_case);
+  }
+  if (const std::string& name = params.strength.critical_region; !name.empty()) {
+    const auto bytes = read_file(name);
+    read_region_file(bytes, name, Stage::fea);
+    pipeline.set_critical_region(bytes, name);
+  }
+  if (const std::string& name = params.objectives.surface_region; !name.empty()) {
+    const auto bytes = read_file(name);
+    read_region_file(bytes, name, Stage::objectives);
+    pipeline.set_surface_region(bytes, name);
   }
 }
 

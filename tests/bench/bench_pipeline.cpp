@@ -101,6 +101,10 @@ void bench(const std::string& model, int threads, const Options& options) {
     const std::string load_case = read_file(params.strength.load_case);
     pipeline.set_load_case(bytes_of(load_case), params.strength.load_case);
   }
+  if (const std::string& name = params.strength.critical_region; !name.empty())
+    pipeline.set_critical_region(bytes_of(read_file(name)), name);
+  if (const std::string& name = params.objectives.surface_region; !name.empty())
+    pipeline.set_surface_region(bytes_of(read_file(name)), name);
   pipeline.set_params(params, bundled_machine(params.machine.machine));
 
   using Clock = std::chrono::steady_clock;

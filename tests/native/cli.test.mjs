@@ -389,6 +389,22 @@ test("a load case becomes stress, layers along it and the strain of the print", 
   assertInputError(run("run", "block.tet", "-o", "y", "--strength.load_case", "none.json"), "none.json");
 });
 
+test("surface quality can be asked of a region, and evaluate finds its figure again", () => {
+  write("block.tet", tetText(leaningBlock()));
+  // The roof: 48 mm², flat in planar layers.
+  write("roof.json", JSON.stringify({ region: { plane: { point: [0, 0, 10], normal: [0, 0, 1] } } }));
+  runWell("run", "block.tet", "-o", "roof", "--quiet", "--objectives.surface_quality", "0.5", "--objectives.surface_region", "roof.json");
+  const report = json("roof", "report.json");
+  assert.ok(Math.abs(report.planar.surface_quality_region_percent - 100) < 1e-9);
+  assert.ok(report.planar.surface_quality_area_percent < 99);
+  assert.equal(json("roof", "job.json").objectives.surface_region, path.join(folder, "roof.json"));
+  const again = JSON.parse(runWell("evaluate", "roof").stdout);
+  assert.ok(Math.abs(again.curved.surface_quality_region_percent - report.curved.surface_quality_region_percent) < 1e-6);
+  write("typo.json", JSON.stringify({ regions: {} }));
+  assertInputError(run("run", "block.tet", "-o", "y", "--objectives.surface_region", "typo.json"), "typo.json", "region");
+  assertInputError(run("run", "block.tet", "-o", "y", "--strength.critical_region", "none.json"), "none.json");
+});
+
 test("the bundled load cases hold and load their models", () => {
   for (const name of ["bridge", "bracket"]) {
     const job = path.join(root, "models", `${name}.job.json`);

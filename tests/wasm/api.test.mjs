@@ -5,7 +5,7 @@ import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { load, pathKinds } from '../../wasm/index.js';
+import { load, pathKinds, writeZip } from '../../wasm/index.js';
 import { leaningBlock, root } from './leaning_block.mjs';
 
 const engine = await load({ threads: 1 });
@@ -213,6 +213,34 @@ test('a load case gives stress, and strength can use it', async () => {
   slicer.dispose();
 });
 
+test('SQ can be asked of a region, and tets can be made critical', async () => {
+  const slicer = slicerWithBlock({ 'objectives.surface_quality': 0.5, 'objectives.strength': 0.5, 'strength.critical_ratio': 0 });
+  slicer.setLoadCase({ conditions: [{ region: 'plate', fixed: true }, { region: { half_space: { point: [0, 0, 9.9], normal: [0, 0, 1] } }, force: [0, 0, 40] }] });
+  const upper = { region: { half_space: { point: [0, 0, 6], normal: [0, 0, 1] } } };
+  slicer.setSurfaceRegion(upper, 'upper.json');
+  slicer.setCriticalRegion(JSON.stringify(upper));
+  assert.deepEqual([slicer.params().objectives.surface_region, slicer.params().strength.critical_region], ['upper.json', 'critical.json']);
+  await slicer.run();
+  const { positions, tets, boundaryFaces } = slicer.tets(), { wantsQuality } = slicer.faces(), { critical } = slicer.stress();
+  const height = (vertices) => vertices.reduce((sum, v) => sum + positions[3 * v + 2], 0) / vertices.length;
+  critical.forEach((flag, t) => assert.equal(flag === 1, height([...tets.subarray(4 * t, 4 * t + 4)]) > 6));
+  wantsQuality.forEach((flag, f) => assert.equal(flag === 1, height([...boundaryFaces.subarray(3 * f, 3 * f + 3)]) > 6));
+  assert.ok(critical.includes(1) && critical.includes(0) && wantsQuality.includes(1) && wantsQuality.includes(0));
+  const { curved } = slicer.metrics();
+  assert.ok(curved.surface_quality_region_percent >= 0 && curved.surface_quality_region_percent !== curved.surface_quality_area_percent);
+  assert.throws(() => slicer.setSurfaceRegion({ regoin: 1 }), { code: 'objectives.bad_region', stage: 'objectives' });
+
+  const other = engine.createSlicer();
+  other.openProject(slicer.saveProject());
+  assert.deepEqual(other.inputFiles(), slicer.inputFiles());
+  assert.deepEqual(other.params(), slicer.params());
+  slicer.setSurfaceRegion(null);
+  await slicer.runTo('objectives');
+  assert.ok(slicer.faces().wantsQuality.every((flag, f) => flag === 1 - slicer.faces().exempt[f]));
+  slicer.dispose();
+  other.dispose();
+});
+
 test('machine profiles can be read, changed and given back', async () => {
   const profile = engine.machineProfile('head-ab');
   assert.equal(profile.kinematics, 'head_ab');
@@ -256,6 +284,19 @@ test('a project reopens exactly, and runs natively when unpacked', async () => {
   }
   slicer.dispose();
   other.dispose();
+});
+
+test('files become an archive that other programs read', () => {
+  const archive = writeZip([{ name: 'a/ä.txt', bytes: new TextEncoder().encode('one') }, { name: 'b', bytes: new Uint8Array(3) }]);
+  const folder = mkdtempSync(join(tmpdir(), 's3zip-'));
+  try {
+    writeFileSync(join(folder, 't.zip'), archive);
+    const script = "import zipfile; z = zipfile.ZipFile('t.zip'); print(z.testzip(), z.namelist(), z.read(z.namelist()[0]))";
+    const listed = execFileSync('python3', ['-c', script], { cwd: folder, encoding: 'utf8' });
+    assert.equal(listed.trim(), "None ['a/ä.txt', 'b'] b'one'");
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
 });
 
 test('a damaged project is refused', () => {

@@ -38,6 +38,7 @@ const METRICS: MetricInfo[] = [
   { label: 'Support free', unit: '% of area', read: (m) => m.support_free_area_percent, sense: 1 },
   { label: 'Mean overhang beyond 45°', unit: '°', read: (m) => m.support_free_mean_violation_deg, sense: -1 },
   { label: 'Without stair-steps', unit: '% of area', read: (m) => m.surface_quality_area_percent, sense: 1 },
+  { label: 'Without stair-steps, painted', unit: '% of region', read: (m) => m.surface_quality_region_percent, sense: 1 },
   { label: 'Along the tension', unit: '% of tets', read: (m) => m.strength_critical_percent, sense: 1 },
   { label: 'Support material', unit: 'mm³', read: (m) => m.support_volume_mm3, sense: -1 },
   { label: 'Surface error, mean', unit: 'mm', read: (m) => m.surface_error_mm?.avg, sense: -1 },
@@ -126,6 +127,28 @@ export function histogramSvg(plot: HistogramPlot): string {
   }
   parts.push(`<text x="${f((LEFT + W - RIGHT) / 2)}" y="${H - 5}" text-anchor="middle">${plot.axis}</text>`);
   return `<svg class="plot" viewBox="0 0 ${W} ${H}" role="img" aria-label="${plot.title}">${parts.join('')}</svg>`;
+}
+
+/** Values of one iteration after the other, from 0 up, as a line with a dot for each. */
+export function iterationSvg({ title, axis, values }: { title: string; axis: string; values: number[] }): string {
+  const step = niceStep(Math.max(...values, 1e-6) / 3);
+  const top = step * Math.max(1, Math.ceil(Math.max(...values) / step));
+  const x = (i: number): number => LEFT + 6 + (values.length > 1 ? (i / (values.length - 1)) * (W - LEFT - RIGHT - 12) : (W - LEFT - RIGHT - 12) / 2);
+  const y = (value: number): number => H - BOTTOM - (value / top) * (H - TOP - BOTTOM);
+  const f = (v: number): string => v.toFixed(1);
+  const parts: string[] = [];
+  for (let value = 0; value <= top * (1 + 1e-9); value += step) {
+    parts.push(`<line class="grid" x1="${LEFT}" x2="${W - RIGHT}" y1="${f(y(value))}" y2="${f(y(value))}"/>`);
+    parts.push(`<text x="${LEFT - 4}" y="${f(y(value) + 3.5)}" text-anchor="end">${number(value)}</text>`);
+  }
+  const every = Math.max(1, niceStep((values.length - 1) / 10));
+  values.forEach((_, i) => {
+    if (i % every === 0) parts.push(`<text x="${f(x(i))}" y="${H - BOTTOM + 13}" text-anchor="middle">${i + 1}</text>`);
+  });
+  parts.push(`<polyline class="line" points="${values.map((value, i) => `${f(x(i))},${f(y(value))}`).join(' ')}"/>`);
+  values.forEach((value, i) => parts.push(`<circle class="curved" cx="${f(x(i))}" cy="${f(y(value))}" r="2.5"><title>${number(value)}°</title></circle>`));
+  parts.push(`<text x="${f((LEFT + W - RIGHT) / 2)}" y="${H - 5}" text-anchor="middle">${axis}</text>`);
+  return `<svg class="plot" viewBox="0 0 ${W} ${H}" role="img" aria-label="${title}: ${values.map((value) => `${number(value)}°`).join(', ')}">${parts.join('')}</svg>`;
 }
 
 /** 1, 2 or 5 times a power of ten, at least the given size. */

@@ -1,9 +1,9 @@
 // The state of the page and what may be done with it. Knows neither elements nor three.js; the parts listen to it.
 import type { ExportInfo, FileSurface, Inspection, Progress, Stage, StageInfo, Warning, Which } from '../../wasm/index.js';
 import { History } from './history.ts';
-import { NO_LOADS, loadProblems, loadsFrom } from './load_case.ts';
+import { NO_LOADS, hasLoads, loadProblems, loadsFrom } from './load_case.ts';
 import type { Loads } from './load_case.ts';
-import type { EngineInfo, Job, ModelFile, ResultName, Results } from './protocol.ts';
+import type { EngineInfo, Job, LoadFileKind, ModelFile, ResultName, Results, TextFile } from './protocol.ts';
 import { parseRotation, placementAngles, previewPlacement } from './rotation.ts';
 import type { Vec } from './rotation.ts';
 import { DETAIL_PRESETS, defaultsOf, schemaFields } from './settings.ts';
@@ -15,10 +15,13 @@ import type { WorkerLike } from './slicer_client.ts';
 export interface Settings {
   params: ParamValues;
   loads: Loads;
-  loadFile: { name: string; text: string } | null;
+  /** Files that take the place of what the editor makes. */
+  files: Record<LoadFileKind, TextFile | null>;
   stress: ModelFile | null;
   profile: { name: string; json: string } | null;
 }
+
+const NO_FILES: Settings['files'] = { loads: null, surface: null, critical: null };
 
 export interface Model {
   file: ModelFile;
@@ -75,7 +78,7 @@ export class App {
   stages: StageInfo[] = [];
   running: Running | null = null;
   memoryBytes = 0;
-  readonly history = new History<Settings>({ params: {}, loads: NO_LOADS, loadFile: null, stress: null, profile: null });
+  readonly history = new History<Settings>({ params: {}, loads: NO_LOADS, files: NO_FILES, stress: null, profile: null });
   readonly client: SlicerClient;
   #engineUrl: string;
   #listeners = new Map<keyof Events, Set<Listener<never>>>();
@@ -153,7 +156,7 @@ export class App {
       this.history.reset({
         ...this.settings,
         params: { ...params, 'input.rotate': '0,0,0' },
-        loads: NO_LOADS, loadFile: null, stress: null,
+        loads: NO_LOADS, files: NO_FILES, stress: null,
       });
       this.#newModel({ file, surface });
       await this.#prepare(epoch);
@@ -171,7 +174,7 @@ export class App {
       this.history.reset({
         params: { ...defaultsOf(this.fields), ...opened.params },
         loads: loadsFrom(extra?.loads) ?? NO_LOADS,
-        loadFile: extra ? (extra.loadFile ?? null) : opened.loadFile,
+        files: extra?.files ?? (extra?.loads?.regions.length ? NO_FILES : opened.files),
         stress: opened.stress,
         profile: extra?.profile ?? null,
       });
@@ -272,10 +275,10 @@ export class App {
   }
 
   job(): Job {
-    const { params, loads, loadFile, stress, profile } = this.settings;
-    // Loads that are still being made would be refused.
-    const complete = loads.regions.length > 0 && loadProblems(loads).length === 0;
-    return { params, loads: complete ? loads : null, loadFile: loadFile?.text ?? null, stress, profile };
+    const { params, loads, files, stress, profile } = this.settings;
+    const loadsComplete = hasLoads(loads) && loadProblems(loads).length === 0;
+    const texts = { loads: files.loads?.text ?? null, surface: files.surface?.text ?? null, critical: files.critical?.text ?? null };
+    return { params, loads, loadsComplete, files: texts, stress, profile };
   }
 
   async sendJob(): Promise<void> {
@@ -289,7 +292,7 @@ export class App {
   obstacle(): string {
     if (!this.engine) return this.#starting ? 'The slicing engine is loading' : 'The slicing engine does not run; open a file to start it again';
     if (!this.model) return 'Open a model first';
-    if (Number(this.param('objectives.strength')) > 0 && !this.settings.stress && !this.settings.loadFile) {
+    if (Number(this.param('objectives.strength')) > 0 && !this.settings.stress && !this.settings.files.loads) {
       const problems = loadProblems(this.settings.loads);
       if (problems.length > 0) return `Strength needs loads. ${problems[0]}`;
     }
@@ -452,8 +455,8 @@ export class App {
 
   async project(): Promise<Uint8Array> {
     if (!this.model) throw new Error('There is no model to save.');
-    const { loads, loadFile, profile } = this.settings;
-    const extra: ProjectExtra = { loads, loadFile, profile };
+    const { loads, files, profile } = this.settings;
+    const extra: ProjectExtra = { loads, files, profile };
     await this.sendJob();
     return this.client.call('saveProject', extra);
   }
@@ -476,7 +479,7 @@ export class App {
 /** What the page keeps in a project beside what the slicer has in it. */
 interface ProjectExtra {
   loads: Loads;
-  loadFile: Settings['loadFile'];
+  files: Settings['files'];
   profile: Settings['profile'];
 }
 

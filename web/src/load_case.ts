@@ -1,4 +1,4 @@
-// Loads as the editor keeps them, and as the core's load case (core/fea/load_case.h).
+// Loads and painted regions as the editor keeps them, and as the core's files of them (core/fea/load_case.h).
 import { scaleOf, transformPoint } from './rotation.ts';
 import type { Vec } from './rotation.ts';
 
@@ -9,10 +9,14 @@ export type Patch =
   /** A dab of the brush. */
   | { kind: 'sphere'; center: Vec; radius: number };
 
+export type RegionKind = 'fixed' | 'force' | PaintKind;
+export type PaintKind = 'surface' | 'critical';
+
 export interface LoadRegion {
   id: number;
   name: string;
-  kind: 'fixed' | 'force';
+  /** What it is for: held, loaded, where surface quality counts, critical for strength. */
+  kind: RegionKind;
   /** The contact with the plate counts as a part of the region. */
   plate: boolean;
   patches: Patch[];
@@ -20,6 +24,8 @@ export interface LoadRegion {
   force: Vec;
   /** Fixed axes as "xyz"; fixed regions only. */
   axes: string;
+  /** Load case from 1 on that it belongs to, 0 for all of them; fixed regions and forces only. */
+  loadCase: number;
 }
 
 export interface Loads {
@@ -30,19 +36,59 @@ export interface Loads {
 export const NO_LOADS: Loads = { material: 'PLA', regions: [] };
 export const MATERIALS = ['PLA', 'PETG', 'ABS', 'PA-CF'];
 
+const isLoad = (region: LoadRegion): boolean => region.kind === 'fixed' || region.kind === 'force';
+/** Whether anything is held or loaded, be it not yet complete. */
+export const hasLoads = (loads: Loads): boolean => loads.regions.some(isLoad);
+
+/** The numbers of the load cases, ascending; none where all regions belong to one case. */
+export function caseNumbers(loads: Loads): number[] {
+  return [...new Set(loads.regions.filter(isLoad).map((region) => region.loadCase))].filter((number) => number > 0).sort((a, b) => a - b);
+}
+
+/** As many as the core takes in one region. */
+const MOST_PATCHES = 990;
+
 /** What keeps the loads from being analysed, for people; empty when nothing does. */
 export function loadProblems(loads: Loads): string[] {
   const problems: string[] = [];
-  for (const region of loads.regions) {
+  for (const region of loads.regions.filter(isLoad)) {
     if (!region.plate && region.patches.length === 0) problems.push(`“${region.name}” has no faces yet: pick or paint some.`);
+    if (region.patches.length > MOST_PATCHES) problems.push(`“${region.name}” has too many dabs: paint it with a larger brush.`);
     if (region.kind === 'force' && Math.hypot(...region.force) === 0) problems.push(`“${region.name}” has a force of 0 N.`);
   }
-  if (!loads.regions.some((region) => region.kind === 'fixed')) problems.push('Nothing holds the part: add a fixed region.');
-  if (!loads.regions.some((region) => region.kind === 'force')) problems.push('Nothing loads the part: add a force.');
+  const numbers = caseNumbers(loads);
+  for (const number of numbers.length > 0 ? numbers : [0]) {
+    const inCase = number > 0 ? ` in case ${number}` : '';
+    const members = loads.regions.filter((region) => region.loadCase === 0 || region.loadCase === number);
+    if (!members.some((region) => region.kind === 'fixed')) problems.push(`Nothing holds the part${inCase}: add a fixed region.`);
+    if (!members.some((region) => region.kind === 'force')) problems.push(`Nothing loads the part${inCase}: add a force.`);
+  }
   return problems;
 }
 
+/** What is wrong with the painted regions of a kind, for people; empty when nothing is. */
+export function paintProblems(loads: Loads, kind: PaintKind): string[] {
+  const painted = loads.regions.filter((region) => region.kind === kind);
+  const patches = painted.reduce((sum, region) => sum + region.patches.length, 0);
+  const names = painted.map((region) => `“${region.name}”`).join(', ');
+  if (patches > MOST_PATCHES) return [`${names}: too many dabs, left out. Paint with a larger brush.`];
+  return painted.filter((region) => region.patches.length === 0 && !region.plate).map((region) => `“${region.name}” has no faces yet, it is left out: pick or paint some.`);
+}
+
 const rounded = (v: Vec): Vec => v.map((x) => Math.round(x * 1e6) / 1e6 + 0) as Vec;
+
+/** The core's shapes of a region in the rest frame. */
+function shapesOf(region: LoadRegion, placement: ArrayLike<number>): unknown[] {
+  const shapes: unknown[] = region.plate ? ['plate'] : [];
+  for (const patch of region.patches) {
+    shapes.push(
+      patch.kind === 'faces'
+        ? { faces: { points: [rounded(transformPoint(placement, patch.point))], angle: patch.angle } }
+        : { sphere: { center: rounded(transformPoint(placement, patch.center)), radius: patch.radius * scaleOf(placement) } },
+    );
+  }
+  return shapes;
+}
 
 /**
  * The core's load case.
@@ -50,25 +96,25 @@ const rounded = (v: Vec): Vec => v.map((x) => Math.round(x * 1e6) / 1e6 + 0) as 
  */
 export function loadCaseJson(loads: Loads, placement: ArrayLike<number>): string {
   const regions: Record<string, unknown> = {};
-  const conditions: unknown[] = [];
-  for (const region of loads.regions) {
-    const members: unknown[] = region.plate ? ['plate'] : [];
-    for (const patch of region.patches) {
-      members.push(
-        patch.kind === 'faces'
-          ? { faces: { points: [rounded(transformPoint(placement, patch.point))], angle: patch.angle } }
-          : { sphere: { center: rounded(transformPoint(placement, patch.center)), radius: patch.radius * scaleOf(placement) } },
-      );
-    }
-    const name = `${region.id} ${region.name}`;
-    regions[name] = members;
-    conditions.push(
-      region.kind === 'fixed'
-        ? { region: name, fixed: region.axes === 'xyz' ? true : region.axes }
-        : { region: name, force: region.force },
-    );
-  }
-  return JSON.stringify({ material: loads.material, regions, conditions }, null, 1);
+  const conditionsOf = (number: number): unknown[] | undefined => {
+    const members = loads.regions.filter((region) => isLoad(region) && region.loadCase === number);
+    if (members.length === 0) return undefined;
+    return members.map((region) => {
+      const name = `${region.id} ${region.name}`;
+      regions[name] = shapesOf(region, placement);
+      return region.kind === 'fixed' ? { region: name, fixed: region.axes === 'xyz' ? true : region.axes } : { region: name, force: region.force };
+    });
+  };
+  const conditions = conditionsOf(0);
+  const numbers = caseNumbers(loads);
+  const cases = numbers.length > 0 ? numbers.map((number) => ({ name: `Case ${number}`, conditions: conditionsOf(number) })) : undefined;
+  return JSON.stringify({ material: loads.material, regions, conditions, cases }, null, 1);
+}
+
+/** The core's region file of all that is painted for one purpose; empty where nothing is. */
+export function regionJson(loads: Loads, kind: PaintKind, placement: ArrayLike<number>): string {
+  const region = loads.regions.filter((one) => one.kind === kind).flatMap((one) => shapesOf(one, placement));
+  return region.length === 0 || region.length > MOST_PATCHES ? '' : JSON.stringify({ region }, null, 1);
 }
 
 /** Loads that survived JSON; null when it is something else. */
@@ -76,9 +122,9 @@ export function loadsFrom(value: unknown): Loads | null {
   if (typeof value !== 'object' || value === null) return null;
   const { material, regions } = value as Partial<Loads>;
   if (typeof material !== 'string' || !Array.isArray(regions)) return null;
-  return regions.every((region) => typeof region?.name === 'string' && Array.isArray(region.patches) && Array.isArray(region.force))
-    ? (value as Loads)
-    : null;
+  if (!regions.every((region) => typeof region?.name === 'string' && Array.isArray(region.patches) && Array.isArray(region.force))) return null;
+  // Projects of before there were several cases say nothing of them.
+  return { material, regions: regions.map((region) => ({ ...region, loadCase: region.loadCase ?? 0 })) };
 }
 
 /**
@@ -142,18 +188,13 @@ export function floodFaces(surface: SurfaceShape, seed: number, angle: number): 
   return queue;
 }
 
-/** Faces of a region on a surface in the frame of the patches: what the views highlight. */
-export function facesOf(surface: SurfaceShape, region: Pick<LoadRegion, 'patches'>): Set<number> {
-  const faces = new Set<number>();
-  for (const patch of region.patches) {
-    if (patch.kind === 'faces') {
-      for (const face of floodFaces(surface, nearestFace(surface, patch.point), patch.angle)) faces.add(face);
-    } else {
-      for (let face = 0; face < surface.indices.length / 3; ++face) {
-        const c = centroid(surface, face);
-        if (Math.hypot(c[0] - patch.center[0], c[1] - patch.center[1], c[2] - patch.center[2]) <= patch.radius) faces.add(face);
-      }
-    }
+/** Faces of a patch on a surface in the frame of the patch: what the views highlight. */
+export function facesOf(surface: SurfaceShape, patch: Patch): number[] {
+  if (patch.kind === 'faces') return floodFaces(surface, nearestFace(surface, patch.point), patch.angle);
+  const faces: number[] = [];
+  for (let face = 0; face < surface.indices.length / 3; ++face) {
+    const c = centroid(surface, face);
+    if (Math.hypot(c[0] - patch.center[0], c[1] - patch.center[1], c[2] - patch.center[2]) <= patch.radius) faces.push(face);
   }
   return faces;
 }

@@ -42,7 +42,7 @@ async function openExample(example: Example): Promise<void> {
     const name = job.strength.load_case;
     const text = new TextDecoder().decode(await fetched(`examples/${name}`));
     app.change({
-      loadFile: { name, text },
+      files: { ...app.settings.files, loads: { name, text } },
       params: { ...app.settings.params, 'objectives.support_free': 0.7, 'objectives.strength': 0.3, 'objectives.surface_quality': 0 },
     });
   } catch (error) {

@@ -4,12 +4,19 @@ import type {
   MachineProfile, Metrics, MotionArrays, Progress, Report, SlicerErrorFields, Stage, StageInfo, StressArrays, Surface,
   TetArrays, WaypointArrays, Which,
 } from '../../wasm/index.js';
-import type { Loads } from './load_case.ts';
+import type { Loads, PaintKind } from './load_case.ts';
 import type { ParamValues } from './settings.ts';
 
 export interface ModelFile {
   name: string;
   bytes: Uint8Array<ArrayBuffer>;
+}
+
+/** What the editor makes, or a file gives instead. */
+export type LoadFileKind = 'loads' | PaintKind;
+export interface TextFile {
+  name: string;
+  text: string;
 }
 
 export interface EngineInfo {
@@ -26,9 +33,11 @@ export interface Job {
   /** Every parameter of the form by its dotted key, defaults included. */
   params: ParamValues;
   /** Regions in the file's frame, so that they follow the part when it is turned. */
-  loads: Loads | null;
-  /** A load case as written by hand or by another program: taken as it is, in the rest frame. */
-  loadFile: string | null;
+  loads: Loads;
+  /** Loads that are still being made would be refused: they are left out. */
+  loadsComplete: boolean;
+  /** A load case and region files as written by hand or by another program: taken as they are, in the rest frame. */
+  files: Record<LoadFileKind, string | null>;
   /** Stress of every tet of a volume file. */
   stress: ModelFile | null;
   /** A machine profile of one's own, selected by params.machine. */
@@ -78,7 +87,7 @@ export interface OpenedProject {
   model: ModelFile;
   surface: FileSurface;
   params: ParamValues;
-  loadFile: { name: string; text: string } | null;
+  files: Record<LoadFileKind, TextFile | null>;
   stress: ModelFile | null;
 }
 

@@ -19,7 +19,7 @@ export interface ParamField {
 }
 
 /** Files are given to the slicer by their own controls, not by name. */
-const FILE_KEYS = new Set(['model', 'strength.stress_file', 'strength.load_case']);
+const FILE_KEYS = new Set(['model', 'strength.stress_file', 'strength.load_case', 'strength.critical_region', 'objectives.surface_region']);
 
 /** Nested parameters by dotted keys. */
 export function flattenParams(params: Params, prefix = ''): ParamValues {

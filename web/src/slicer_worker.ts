@@ -1,16 +1,16 @@
 // Owns the WASM engine. Computes one unit at a time and listens for messages in between, so that a cancel is heard
 // even where threads cannot share memory.
 import { load, SlicerError } from '../../wasm/index.js';
-import type { Engine, Progress, Slicer, Stage } from '../../wasm/index.js';
-import { loadCaseJson } from './load_case.ts';
+import type { Engine, InputFile, Progress, Slicer, Stage } from '../../wasm/index.js';
+import { loadCaseJson, regionJson } from './load_case.ts';
 import { aliveLock, transferables } from './protocol.ts';
-import type { CallName, Calls, EngineInfo, FromWorker, Job, ModelFile, OpenedProject, ToWorker } from './protocol.ts';
+import type { CallName, Calls, EngineInfo, FromWorker, Job, LoadFileKind, ModelFile, OpenedProject, TextFile, ToWorker } from './protocol.ts';
 import { flattenParams } from './settings.ts';
 
 let engine: Engine | null = null;
 let slicer: Slicer | null = null;
 let job: Job | null = null;
-let givenLoad = '';    // what setLoadCase() got last
+let given: Record<LoadFileKind, string> = { loads: '', surface: '', critical: '' };  // what the slicer got last
 let givenStress: ModelFile | null = null;
 let givenProfile = '';
 let cancelled = false;
@@ -74,16 +74,18 @@ function setJob(next: Job) {
 
 /** Regions are kept in the file's frame; the core wants them where the part stands, known after the stage `mesh`. */
 function applyLoads(): void {
-  const target = running();
+  if (!job) return;
+  const target = running(), { loads, loadsComplete, files } = job;
   const placement = target.placement();
-  let text = job?.loadFile ?? '';
-  if (!text && job?.loads && job.loads.regions.length > 0) {
-    if (!placement) return;
-    text = loadCaseJson(job.loads, placement);
-  }
-  if (text === givenLoad) return;
-  target.setLoadCase(text === '' ? null : text, 'loads.json');
-  givenLoad = text;
+  const apply = (kind: LoadFileKind, made: (at: Float64Array) => string, set: (text: string | null) => void): void => {
+    const text = files[kind] ?? (placement ? made(placement) : null);
+    if (text === null || text === given[kind]) return;
+    set(text === '' ? null : text);
+    given[kind] = text;
+  };
+  apply('loads', (at) => (loadsComplete ? loadCaseJson(loads, at) : ''), (text) => target.setLoadCase(text, 'loads.json'));
+  apply('surface', (at) => regionJson(loads, 'surface', at), (text) => target.setSurfaceRegion(text, 'surface.json'));
+  apply('critical', (at) => regionJson(loads, 'critical', at), (text) => target.setCriticalRegion(text, 'critical.json'));
 }
 
 function report(progress: Progress): void {
@@ -138,11 +140,12 @@ function result({ name, which }: Parameters<Calls['result']>[0]) {
 function openProject(bytes: Uint8Array<ArrayBuffer>): OpenedProject {
   const target = running();
   const extra = target.openProject(bytes);
-  const { model, loadCase, stress } = target.inputFiles() as { model: ModelFile | null; loadCase: ModelFile | null; stress: ModelFile | null };
+  const { model, loadCase, surfaceRegion, criticalRegion, stress } = target.inputFiles();
   if (!model) throw usage('The project holds no model');
-  givenLoad = '\0';  // whatever the project held
-  const loadFile = loadCase && { name: loadCase.name, text: new TextDecoder().decode(loadCase.bytes) };
-  return { extra, model, surface: target.fileSurface(), params: flattenParams(target.givenParams()), loadFile, stress };
+  given = { loads: '\0', surface: '\0', critical: '\0' };  // whatever the project held
+  const text = (file: InputFile | null): TextFile | null => file && { name: file.name, text: new TextDecoder().decode(file.bytes) };
+  const files = { loads: text(loadCase), surface: text(surfaceRegion), critical: text(criticalRegion) };
+  return { extra, model: model as ModelFile, surface: target.fileSurface(), params: flattenParams(target.givenParams()), files, stress: stress as ModelFile | null };
 }
 
 const calls: { [Name in CallName]: (argument: never) => unknown } = {

@@ -117,6 +117,10 @@ export function makeTimeline(host: HTMLElement, events: { onrange(from: number, 
       content = next;
       low.max = high.max = String(next.count);
       times = next.waypoints ? (next.waypoints.times ?? estimate(next.waypoints.positions, next.waypoints.speeds)) : [];
+      // The text must not move what stands beside it while it counts.
+      const longest = printTime(times[times.length - 1] ?? 0).length;
+      time.style.setProperty('--reserved', `${2 * longest + 4}ch`);
+      time.style.setProperty('--reserved-narrow', `${longest + 1}ch`);
       replace(host, line, next.waypoints && print);
       const [from, to] = same ? range : [0, next.count];
       setRange(from, to);

@@ -121,6 +121,61 @@ TEST_CASE("regions take the faces that they say") {
   CHECK(faces(PickedFaces{one, radians(95)}) == 32 + 4 * 32);  // the sides too, not the bottom
 }
 
+TEST_CASE("the tets of a region are those inside of it and those behind its faces") {
+  const TetMesh mesh = test::make_grid(4, 4, 4, {4, 4, 4});
+  const auto tets = [&](const std::vector<Shape>& shapes) {
+    return region_tets(mesh, Region{"r", shapes});
+  };
+  const std::vector<Index> middle = tets({BoxRegion{{1, 1, 1}, {3, 3, 3}}});
+  CHECK(middle.size() == 8 * 6);  // without a single face
+  for (const Index t : middle) CHECK((mesh.centroid(t) - Vec3(2, 2, 2)).cwiseAbs().maxCoeff() < 1);
+  CHECK(tets({HalfSpace{{0, 0, 2}, Vec3::UnitZ()}}).size() == 32 * 6);
+  const std::vector<Index> lid = tets({PlaneContact{{0, 0, 4}, Vec3::UnitZ(), {}}});
+  CHECK(lid.size() == 32);  // each face of the lid has a tet of its own
+  for (const Index t : lid) CHECK(mesh.centroid(t).z() > 3);
+  // A union counts each once.
+  CHECK(tets({HalfSpace{{0, 0, 2}, Vec3::UnitZ()}, PlaneContact{{0, 0, 4}, Vec3::UnitZ(), {}}})
+            .size() == 32 * 6);
+  CHECK_THROWS_AS(tets({SphereRegion{{9, 9, 9}, 1}}), Error);
+}
+
+TEST_CASE("a region file names shapes, and its faults name the file and the stage") {
+  const auto read_region = [](const std::string& text, Stage stage) {
+    return read_region_file(std::as_bytes(std::span(text.data(), text.size())), "back.json", stage);
+  };
+  const Region region = read_region(
+      R"({"about": "back", "regions": {"lid": {"box": {"min": [0, 0, 3], "max": [4, 4, 5]}}},
+          "region": ["lid", "plate", {"sphere": {"center": [1, 2, 3], "radius": 2}}]})",
+      Stage::objectives);
+  REQUIRE(region.shapes.size() == 3);
+  CHECK(std::get<SphereRegion>(region.shapes[2]).radius == 2);
+  CHECK(region.name.find("back.json") != std::string::npos);
+  const auto code = [&](const std::string& text, Stage stage) -> std::string {
+    try {
+      read_region(text, stage);
+    } catch (const Error& error) {
+      CHECK(error.stage == stage);
+      CHECK(contains(error.what(), "back.json"));
+      return error.code;
+    }
+    return "";
+  };
+  CHECK(code(R"({"region": {"ball": 1}})", Stage::objectives) == "objectives.bad_region");
+  CHECK(code(R"({"region": []})", Stage::fea) == "fea.bad_region");
+  CHECK(code(R"({"region": "lid"})", Stage::fea) == "fea.bad_region");
+  CHECK(code(R"({"conditions": []})", Stage::fea) == "fea.bad_region");
+  CHECK(code("{", Stage::fea) == "fea.bad_region");
+}
+
+TEST_CASE("tets that are added to S are there once, and only where there is a direction") {
+  StressField stress;
+  stress.principal = Directions::Zero(6, 3);
+  for (const Index t : {0, 1, 2, 4}) stress.principal(t, 0) = 1;
+  stress.critical_tets = {1, 4};
+  add_critical_tets({0, 1, 3}, stress);
+  CHECK(stress.critical_tets == std::vector<Index>{0, 1, 4});
+}
+
 TEST_CASE("forces, pressure and weight add up to what was asked for") {
   CHECK((total(apply(on(kTop, R"("force": [1, 2, -30])"))[0]) - Vec3(1, 2, -30)).norm() < 1e-12);
   CHECK((total(apply(on(kTop, R"("pressure": 0.5)"))[0]) - Vec3(0, 0, -8)).norm() < 1e-12);

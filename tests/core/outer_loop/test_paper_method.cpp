@@ -90,7 +90,10 @@ TEST_CASE("a model ten times as large gets a field ten times as large") {
 TEST_CASE("three densities of one model end at a residual within 25 % (Fig. 18)") {
   // SF and SQ are in conflict on this bar, so the residual does not vanish. Equal weights would
   // leave two ways out, between which the resolution decides.
-  const ObjectiveParams params{.support_free = 0.8, .surface_quality = 0.2, .gamma_deg = 8};
+  ObjectiveParams params;
+  params.support_free = 0.8;
+  params.surface_quality = 0.2;
+  params.gamma_deg = 8;
   std::vector<double> least;
   for (const double density : {1.0, 1.5, 2.0}) {
     const TetMesh rest = kinked_bar(density);
@@ -157,7 +160,9 @@ TEST_CASE("the heat start finds layers across a bent bar at once, where planar o
     stress.principal.row(t) = Vec3(c.x() - r, 0, c.z()).normalized();
     if (c.z() > 3) stress.critical_tets.push_back(t);
   }
-  const ObjectiveParams weights{.support_free = 0, .strength = 1};
+  ObjectiveParams weights;
+  weights.support_free = 0;
+  weights.strength = 1;
   const ObjectiveField objectives = make_objectives(rest, weights, &stress);
   Context ctx;
   const auto run = [&](const char* start) {

@@ -58,6 +58,7 @@ TEST_CASE("a vanished gradient is as wrong as can be, and no objective asks noth
   Context ctx;
   const Directions none = Directions::Zero(rest.tet_count(), 3);
   CHECK(residual(make_objectives(rest, {}, nullptr), {}, none, ctx).mean == doctest::Approx(kPi));
-  const ObjectiveParams nothing{.support_free = 0};
+  ObjectiveParams nothing;
+  nothing.support_free = 0;
   CHECK(residual(make_objectives(rest, nothing, nullptr), nothing, none, ctx).mean == 0);
 }

@@ -25,6 +25,8 @@ TEST_CASE("every parameter of the contract exists, with its default") {
                                    {"strength.stress_file", ""},
                                    {"strength.load_case", ""},
                                    {"strength.critical_ratio", 0.3},
+                                   {"strength.critical_region", ""},
+                                   {"objectives.surface_region", ""},
                                    {"deform.method", "refined"},
                                    {"deform.rigidity", 1.0},
                                    {"deform.scale_compatibility", 6.0}};

@@ -275,6 +275,48 @@ TEST_CASE("the analysis runs again for its own input only") {
   CHECK_THROWS_AS(pipeline.run_to(Stage::fea, ctx), s3::Error);  // two sources
 }
 
+TEST_CASE("region files bound SQ to some faces and add tets to S, each from its own stage on") {
+  s3::Params params;
+  params.input.up = std::string("y");
+  params.objectives.strength = 0.5;
+  params.objectives.surface_quality = 0.5;
+  params.strength.critical_ratio = 0;
+  s3::Context ctx;
+  auto pipeline = pulled_block(kPulledUp, params);
+  pipeline.run_to(Stage::objectives, ctx);
+  const s3::Artifacts& a = pipeline.artifacts();
+  CHECK(a.stress->critical_tets.empty());
+
+  const std::string lower =
+      R"({"region": {"half_space": {"point": [0, 0, 2], "normal": [0, 0, -1]}}})";
+  pipeline.set_surface_region(bytes_of(lower), "lower.json");
+  CHECK(states(pipeline)[Stage::fea] == StageState::done);
+  CHECK(states(pipeline)[Stage::objectives] == StageState::stale);
+  pipeline.set_critical_region(bytes_of(lower), "lower.json");
+  CHECK(states(pipeline)[Stage::tetrahedralize] == StageState::done);
+  CHECK(states(pipeline)[Stage::fea] == StageState::stale);
+  pipeline.run_to(Stage::objectives, ctx);
+  CHECK(a.stress->critical_tets.size() == 576 / 2);
+  for (s3::Index t = 0; t < a.rest.tet_count(); ++t)
+    CHECK((a.objectives.critical[t] != 0) == (a.rest.centroid(t).z() < 2));
+  for (std::size_t f = 0; f < a.objectives.face_wants_quality.size(); ++f) {
+    const auto& corners = a.rest.boundary_faces.row(static_cast<Eigen::Index>(f));
+    double z = 0;
+    for (int i = 0; i < 3; ++i) z += a.rest.vertices(corners[i], 2) / 3;
+    CHECK((a.objectives.face_wants_quality[f] != 0) == (z < 2 && !a.objectives.face_exempt[f]));
+  }
+  pipeline.set_surface_region({}, "");
+  params.objectives.surface_region = "gone.json";
+  pipeline.set_params(params, machine());
+  try {
+    pipeline.run_to(Stage::objectives, ctx);
+    FAIL("a file that was not given");
+  } catch (const s3::Error& error) {
+    CHECK(error.code == "objectives.no_region");
+    CHECK(std::string(error.what()).find("gone.json") != std::string::npos);
+  }
+}
+
 TEST_CASE("with a load case the report compares the strain of curved and planar beads") {
   s3::Params params;
   params.objectives.strength = 1;

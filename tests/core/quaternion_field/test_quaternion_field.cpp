@@ -81,7 +81,8 @@ TEST_CASE("targets bring the closest feasible direction to z without twist") {
 
 TEST_CASE("switches of Eq. 9 count violated objectives only, and the plate holds") {
   const TetMesh rest = leaning_bar(radians(60));
-  const ObjectiveParams params{.support_free = 0.7};
+  ObjectiveParams params;
+  params.support_free = 0.7;
   const ObjectiveField objectives = make_objectives(rest, params, nullptr);
   Context ctx;
   const Values upright =

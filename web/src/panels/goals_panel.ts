@@ -36,7 +36,7 @@ export function makeGoalsPanel(app: App, host: HTMLElement, openLoads: () => voi
   replace(host,
     h('section', { class: 'group' }, h('h2', {}, 'What matters'), presets.element, hint),
     h('section', { class: 'group' }, h('h2', {}, 'Balance'), triangle.element, ...sliders.map((one) => one.element),
-      h('p', { class: 'small muted' }, '0 switches an objective off. Angles and tolerances are under Settings.')),
+      h('p', { class: 'small muted' }, '0 switches an objective off. Surface quality and strength may be painted ', h('button', { class: 'link', type: 'button', onclick: openLoads }, 'on some faces'), '; angles and tolerances are under Settings.')),
     h('section', { class: 'group' }, h('h2', {}, 'Detail', h('small', {}, 'tets of the volume mesh')), detail.element));
   app.on('settings', update);
   app.on('model', update);

@@ -1,10 +1,11 @@
-// Loads: what holds the part and what pulls at it, picked or painted on its faces.
+// Loads, and where surface and strength matter: regions that are picked or painted on the part.
 import type { App } from '../app.ts';
 import { h, iconButton, replace, segmented, slider } from '../dom.ts';
 import { css } from '../color_maps.ts';
 import type { Rgb } from '../color_maps.ts';
-import { MATERIALS, loadProblems } from '../load_case.ts';
-import type { LoadRegion, Loads } from '../load_case.ts';
+import { MATERIALS, caseNumbers, hasLoads, loadProblems, paintProblems } from '../load_case.ts';
+import type { LoadRegion, Loads, RegionKind } from '../load_case.ts';
+import type { LoadFileKind } from '../protocol.ts';
 import type { Vec } from '../rotation.ts';
 
 export type LoadTool = 'pick' | 'paint' | 'erase';
@@ -21,11 +22,15 @@ export interface LoadEditor {
   update(region: LoadRegion, step?: string): void;
 }
 
-const FIXED: Rgb[] = [[70, 120, 200], [96, 100, 190], [60, 150, 170]];
-const FORCE: Rgb[] = [[214, 98, 48], [200, 70, 110], [205, 150, 40]];
+const KINDS: Record<RegionKind, { name: string; palette: Rgb[] }> = {
+  fixed: { name: 'Fixed', palette: [[70, 120, 200], [96, 100, 190], [60, 150, 170]] },
+  force: { name: 'Force', palette: [[214, 98, 48], [200, 70, 110], [205, 150, 40]] },
+  surface: { name: 'Surface quality', palette: [[74, 160, 96]] },
+  critical: { name: 'Critical', palette: [[150, 80, 180]] },
+};
 export function regionColor(loads: Loads, region: LoadRegion): Rgb {
   const same = loads.regions.filter((one) => one.kind === region.kind);
-  const palette = region.kind === 'fixed' ? FIXED : FORCE;
+  const { palette } = KINDS[region.kind];
   return palette[Math.max(0, same.findIndex((one) => one.id === region.id)) % palette.length]!;
 }
 
@@ -55,13 +60,13 @@ export function makeLoadsPanel(app: App, host: HTMLElement, visible: () => boole
     size.element.hidden = tool === 'pick';
   }
 
-  function add(kind: LoadRegion['kind']): void {
+  function add(kind: RegionKind): void {
     const { loads } = app.settings;
     const id = Math.max(0, ...loads.regions.map((region) => region.id)) + 1;
     const number = loads.regions.filter((region) => region.kind === kind).length + 1;
     const first = kind === 'fixed' && number === 1;
     const region: LoadRegion = {
-      id, kind, name: `${kind === 'fixed' ? 'Fixed' : 'Force'} ${number}`, plate: first, patches: [], force: [0, 0, -100], axes: 'xyz',
+      id, kind, name: `${KINDS[kind].name} ${number}`, plate: first, patches: [], force: [0, 0, -100], axes: 'xyz', loadCase: 0,
     };
     activeId = id;
     app.change({ loads: { ...loads, regions: [...loads.regions, region] } });
@@ -79,7 +84,11 @@ export function makeLoadsPanel(app: App, host: HTMLElement, visible: () => boole
     app.change({ stress: { name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) } });
   }
   async function readLoads(file: File): Promise<void> {
-    app.change({ loadFile: { name: file.name, text: await file.text() } });
+    setFile('loads', { name: file.name, text: await file.text() });
+  }
+
+  function setFile(kind: LoadFileKind, file: { name: string; text: string } | null): void {
+    app.change({ files: { ...app.settings.files, [kind]: file } });
   }
 
   function card(region: LoadRegion): HTMLElement {
@@ -90,8 +99,20 @@ export function makeLoadsPanel(app: App, host: HTMLElement, visible: () => boole
     return h('div', { class: `load${region.id === activeId ? ' active' : ''}`, 'data-region': region.id, onclick: () => activate(region.id) },
       h('div', { class: 'row', style: 'flex-wrap: nowrap' }, h('i', { class: 'swatch', style: `background:${css(regionColor(loads, region))}` }), name,
         iconButton('trash', `Remove ${region.name}`, (event) => { event.stopPropagation(); remove(region); })),
-      h('div', { class: 'row spread small' }, h('span', { class: 'muted' }, faces), h('label', { class: 'check' }, plate, 'contact with the plate')),
-      region.kind === 'force' ? vector(region) : axes(region));
+      h('div', { class: 'row spread small' }, h('span', { class: 'muted' }, faces), region.kind !== 'surface' && h('label', { class: 'check' }, plate, 'contact with the plate')),
+      region.kind === 'force' ? vector(region) : region.kind === 'fixed' ? axes(region) : null,
+      region.kind === 'force' || region.kind === 'fixed' ? caseChoice(region) : null);
+  }
+  /** Shown once there is more than one load, or more than one case. */
+  function caseChoice(region: LoadRegion): HTMLElement | null {
+    const { loads } = app.settings;
+    const numbers = caseNumbers(loads);
+    if (numbers.length === 0 && loads.regions.filter((one) => one.kind === 'force').length < 2) return null;
+    const next = (numbers.at(-1) ?? 0) + 1;
+    const select = h('select', { 'aria-label': `${region.name} acts in`, onchange: () => update({ ...region, loadCase: Number(select.value) }) },
+      h('option', { value: 0 }, 'every load case'), ...numbers.map((number) => h('option', { value: number }, `case ${number}`)), h('option', { value: next }, `case ${next} (new)`));
+    select.value = String(region.loadCase);
+    return h('label', { class: 'row small', style: 'flex-wrap: nowrap' }, h('span', { class: 'muted' }, 'Acts in'), select);
   }
   function vector(region: LoadRegion): HTMLElement {
     return h('div', { class: 'vector' }, ...([0, 1, 2] as const).map((axis) => {
@@ -121,18 +142,24 @@ export function makeLoadsPanel(app: App, host: HTMLElement, visible: () => boole
   }
 
   function show(): void {
-    const { loads, loadFile: given, stress } = app.settings;
+    const { loads, files, stress } = app.settings;
     if (!loads.regions.some((region) => region.id === activeId)) activeId = loads.regions[0]?.id ?? null;
     material.value = loads.material;
     replace(list, ...loads.regions.map(card));
-    editor.hidden = loads.regions.length === 0;
-    const strength = Number(app.param('objectives.strength') ?? 0);
-    const found = loads.regions.length > 0 ? loadProblems(loads) : [];
+    list.hidden = editor.hidden = loads.regions.length === 0;
+    const found = [...(hasLoads(loads) ? loadProblems(loads) : []), ...paintProblems(loads, 'surface'), ...paintProblems(loads, 'critical')];
+    const has = (kind: RegionKind): boolean => loads.regions.some((region) => region.kind === kind);
+    const off = (key: 'objectives.strength' | 'objectives.surface_quality'): boolean => Number(app.param(key) ?? 0) === 0;
+    const switchOn = (text: string, key: 'objectives.strength' | 'objectives.surface_quality'): HTMLElement => h('p', { class: 'note' }, text, ' ',
+      h('button', { class: 'link', type: 'button', onclick: () => app.setParams({ 'objectives.support_free': 0.7, [key]: 0.3 }) }, 'Switch it on'));
     replace(problems, ...found.map((text) => h('p', { class: 'note warn' }, text)),
-      found.length === 0 && loads.regions.length > 0 && strength === 0 && h('p', { class: 'note' }, 'Strength is switched off: loads are analysed, layers do not follow them. ',
-        h('button', { class: 'link', type: 'button', onclick: () => app.setParams({ 'objectives.support_free': 0.7, 'objectives.strength': 0.3 }) }, 'Switch it on')));
+      found.length === 0 && (hasLoads(loads) || has('critical')) && off('objectives.strength') && switchOn('Strength is switched off: layers do not follow the tension.', 'objectives.strength'),
+      has('surface') && off('objectives.surface_quality') && switchOn('Surface quality is switched off.', 'objectives.surface_quality'));
+    problems.hidden = problems.childElementCount === 0;
     replace(fromFile,
-      given && note(`Load case from “${given.name}”: used instead of the regions above.`, () => app.change({ loadFile: null })),
+      files.loads && note(`Load case from “${files.loads.name}”: used instead of the regions above.`, () => setFile('loads', null)),
+      files.surface && note(`Surface quality counts in the region of “${files.surface.name}”.`, () => setFile('surface', null)),
+      files.critical && note(`Critical region from “${files.critical.name}”.`, () => setFile('critical', null)),
       stress && note(`Stress from “${stress.name}”.`, () => app.change({ stress: null })),
       h('div', { class: 'row' }, h('button', { class: 'button', type: 'button', onclick: () => loadFile.click() }, 'Load case file…'),
         h('button', { class: 'button', type: 'button', onclick: () => stressFile.click(), disabled: !app.inspection?.is_volume, title: 'Stress of every tet, for volume meshes' }, 'Stress file…')),
@@ -147,11 +174,16 @@ export function makeLoadsPanel(app: App, host: HTMLElement, visible: () => boole
     h('p', { class: 'small muted' }, 'Click or drag on the part for the region with the coloured border. Drag the tip of an arrow to aim its force.'));
   replace(host,
     h('section', { class: 'group' }, h('h2', {}, 'Loads'),
-      h('p', { class: 'small muted' }, 'What holds the part and what pulls at it. Layers then follow the tension where strength matters.'),
+      h('p', { class: 'small muted' }, 'What holds the part and what pulls at it. Layers then follow the largest tension.'),
       h('div', { class: 'grid2' },
         h('button', { class: 'button', type: 'button', id: 'add-fixed', onclick: () => add('fixed') }, 'Add fixed region'),
         h('button', { class: 'button', type: 'button', id: 'add-force', onclick: () => add('force') }, 'Add force')),
       h('label', { class: 'slider', style: 'grid-template-columns: 112px 1fr' }, h('span', {}, 'Material'), material)),
+    h('section', { class: 'group' }, h('h2', {}, 'Where it matters'),
+      h('div', { class: 'grid2' },
+        h('button', { class: 'button', type: 'button', id: 'add-surface', title: 'Surface quality counts on these faces alone', onclick: () => add('surface') }, 'Paint surface'),
+        h('button', { class: 'button', type: 'button', id: 'add-critical', title: 'Critical for strength, beside the largest tension', onclick: () => add('critical') }, 'Paint critical')),
+      h('p', { class: 'small muted' }, 'Surface quality then counts on the painted faces alone; critical regions add to the largest tension.')),
     editor, list, problems, h('section', { class: 'group' }, h('h2', {}, 'From files'), fromFile));
   showTool();
   app.on('settings', show);

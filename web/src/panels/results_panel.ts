@@ -1,7 +1,7 @@
 // What came out: figures of curved against planar layers, histograms, warnings, files.
 import type { ExportInfo, HistogramData, Point } from '../../../wasm/index.js';
 import type { App } from '../app.ts';
-import { histogram, histogramSvg, metricRows } from '../analysis.ts';
+import { histogram, histogramSvg, iterationSvg, metricRows } from '../analysis.ts';
 import type { HistogramPlot } from '../analysis.ts';
 import { download, h, icon, replace } from '../dom.ts';
 
@@ -50,10 +50,10 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
   }
   async function saveLayers(infos: ExportInfo[]): Promise<void> {
     try {
-      const { zipStored } = await import('../zip.ts');
+      const { writeZip } = await import('../../../wasm/index.js');
       const files = [];
       for (const info of infos) files.push({ name: info.name, bytes: await app.exportFile(info.name) });
-      download(`${stem(app)}-layers.zip`, zipStored(files), 'application/zip');
+      download(`${stem(app)}-layers.zip`, writeZip(files), 'application/zip');
     } catch (error) {
       app.fail(error, 'The layers could not be saved');
     }
@@ -81,9 +81,11 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
       figure.insertAdjacentHTML('beforeend', histogramSvg(plot));
       plots.append(figure);
     }
-    if (deformation && deformation.residuals.length > 1) {
-      const degrees = [...deformation.residuals].map((value) => ((value * 180) / Math.PI).toFixed(2));
-      plots.append(h('p', { class: 'small muted' }, `Mean angle to the objectives after each step: ${degrees.join('° → ')}°`));
+    if (deformation && deformation.residuals.length > 0) {
+      const degrees = [...deformation.residuals].map((value) => (value * 180) / Math.PI);
+      const figure = h('figure', { style: 'margin: 0' }, h('figcaption', { class: 'small' }, 'Π: mean angle to the objectives after each iteration'));
+      figure.insertAdjacentHTML('beforeend', iterationSvg({ title: 'Π after each iteration', axis: 'iteration, degrees', values: degrees }));
+      plots.append(figure);
     }
   }
 

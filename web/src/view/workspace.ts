@@ -8,8 +8,8 @@ import { h, replace, segmented, slider } from '../dom.ts';
 import { number, printTime } from '../format.ts';
 import { showLegend } from '../legend.ts';
 import type { LegendContent } from '../legend.ts';
-import { facesOf, triangleNeighbors } from '../load_case.ts';
-import type { LoadRegion, SurfaceShape } from '../load_case.ts';
+import { facesOf, hasLoads, triangleNeighbors } from '../load_case.ts';
+import type { LoadRegion, Patch, SurfaceShape } from '../load_case.ts';
 import type { LoadEditor } from '../panels/loads_panel.ts';
 import { regionColor } from '../panels/loads_panel.ts';
 import { formatRotation, layOnPlate, scaleOf, transformPoint, untransformPoint } from '../rotation.ts';
@@ -72,6 +72,8 @@ export class Workspace {
   #shownSurface: { positions: ArrayLike<number>; indices: Uint32Array } | null = null;
   #surfaceIsRest = false;
   #shape: SurfaceShape | null = null;
+  /** Faces of each patch on the surface that is shown. */
+  #patchFaces = new WeakMap<Patch, number[]>();
   #tets: TetArrays | null = null;
   #deformation: DeformationArrays | null = null;
   #stressData: StressArrays | null = null;
@@ -168,7 +170,7 @@ export class Workspace {
   #enableViews(): void {
     const app = this.#app;
     for (const { value, stage, title } of VIEWS) {
-      const stress = value === 'stress' && !app.settings.stress && !app.settings.loadFile && app.settings.loads.regions.length === 0;
+      const stress = value === 'stress' && !app.settings.stress && !app.settings.files.loads && !hasLoads(app.settings.loads);
       const there = stage === '' || (app.has(stage as never) && !stress);
       this.#switch.enable(value, there, there ? title : stress ? `${title}: needs loads` : `${title}: slice first`);
     }
@@ -191,6 +193,7 @@ export class Workspace {
     this.#shownSurface = surface;
     this.#surfaceIsRest = rest;
     this.#shape = null;
+    this.#patchFaces = new WeakMap();
     this.#surface.set(surface as never, rest ? new THREE.Matrix4().elements : this.#app.placement);
     if (this.#marks.places.length > 0) this.mark(this.#marks.places, this.#marks.frame);
   }
@@ -294,7 +297,7 @@ export class Workspace {
       if (this.#display.stress === 'critical') {
         const rgb = new Uint8Array(3 * count);
         for (let t = 0; t < count; ++t) rgb.set(critical[t] ? WARNING_COLOR : [165, 176, 190], 3 * t);
-        return { colors: { per: 'tet', rgb }, legend: { title: 'Critical region', keys: [{ color: WARNING_COLOR, text: 'largest tension' }, { color: [165, 176, 190], text: 'elsewhere' }] } };
+        return { colors: { per: 'tet', rgb }, legend: { title: 'Critical region', keys: [{ color: WARNING_COLOR, text: 'critical' }, { color: [165, 176, 190], text: 'elsewhere' }] } };
       }
       const [low, high] = robustExtent(sigmaMax);
       const reach = Math.max(Math.abs(low), Math.abs(high)) || 1;
@@ -441,7 +444,7 @@ export class Workspace {
       slider({ label, min: 0, max: 1, step: 0.005, value: display[key], show: (value) => `${Math.round(100 * value)} %`, oninput: (value) => { display[key] = value; apply(); this.viewer.invalidate(); } }).element;
     const solid = (): void => this.#updateSolidSoon();
     if (this.view === 'field') parts.push(pick<FieldColor>('Colour', 'field', [['height', 'Height field'], ['tilt', 'Tilt'], ['overhang', 'Overhang'], ['stairs', 'Stair-steps'], ['gouging', 'Gouging']]));
-    if (this.view === 'stress') parts.push(pick<StressColor>('Colour', 'stress', [['tension', 'Largest principal stress'], ['critical', 'Critical region']]));
+    if (this.view === 'stress') parts.push(pick<StressColor>('Colour', 'stress', [['tension', 'Tension'], ['critical', 'Critical region']]));
     if (this.view === 'shape') parts.push(share('Deformed', 'deform', () => this.#solid.setAmount(display.deform)));
     if (this.view === 'mesh' || this.view === 'field' || this.view === 'stress') {
       parts.push(pick('Cut', 'cutAxis', [['off', 'No cut'], ['x', 'Across x'], ['y', 'Across y'], ['z', 'Across z']]));
@@ -507,6 +510,7 @@ export class Workspace {
   loadsChanged(): void {
     if (this.#loads.active() && this.view !== 'model') void this.show('model');
     this.#paintSurface();
+    this.#placeHandles();
     this.#cursor();
   }
 
@@ -523,13 +527,23 @@ export class Workspace {
     return this.#shape;
   }
 
+  #facesOf(region: LoadRegion, shape: SurfaceShape): Set<number> {
+    const all = new Set<number>();
+    for (const patch of region.patches) {
+      let faces = this.#patchFaces.get(patch);
+      if (!faces) this.#patchFaces.set(patch, (faces = facesOf(shape, this.#patchHere(patch))));
+      for (const face of faces) all.add(face);
+    }
+    return all;
+  }
+
   /** Patches are in the file's frame; the surface may be in the rest frame. */
-  #patchesHere(region: LoadRegion): Pick<LoadRegion, 'patches'> {
-    if (!this.#surfaceIsRest) return region;
+  #patchHere(patch: Patch): Patch {
+    if (!this.#surfaceIsRest) return patch;
     const m = this.#app.placement;
-    return { patches: region.patches.map((patch) => (patch.kind === 'faces'
+    return patch.kind === 'faces'
       ? { ...patch, point: transformPoint(m, patch.point) }
-      : { ...patch, center: transformPoint(m, patch.center), radius: patch.radius * scaleOf(m) })) };
+      : { ...patch, center: transformPoint(m, patch.center), radius: patch.radius * scaleOf(m) };
   }
 
   #paintSurface(): void {
@@ -545,7 +559,7 @@ export class Workspace {
     if (shape) {
       for (const region of loads.regions) {
         const color = regionColor(loads, region);
-        const faces = facesOf(shape, this.#patchesHere(region));
+        const faces = this.#facesOf(region, shape);
         for (const face of faces) colors.set(face, color);
         if (region.kind === 'force' && faces.size > 0) {
           this.#addArrow(region, middleOf(shape, faces, this.#surfaceIsRest ? null : this.#app.placement), color);
@@ -555,7 +569,7 @@ export class Workspace {
     }
     for (const [id, handle] of this.#handles) if (!handles.has(id)) { handle.remove(); this.#handles.delete(id); }
     this.#surface.paint(colors);
-    this.#legend(loads.regions.length > 0 ? { title: 'Loads', keys: loads.regions.map((region) => ({ text: region.name, color: regionColor(loads, region) })) } : null);
+    this.#legend(loads.regions.length > 0 ? { title: 'Regions', keys: loads.regions.map((region) => ({ text: region.name, color: regionColor(loads, region) })) } : null);
     this.viewer.invalidate();
   }
 
