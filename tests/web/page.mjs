@@ -43,6 +43,13 @@ export async function open({ isolation = true, width = 1280, height = 800, theme
     if (['error', 'warning'].includes(message.type()) && !HARMLESS.test(message.text())) complaints.push(message.text());
   });
   page.on('pageerror', (error) => complaints.push(error.stack ?? String(error)));
+  // What moves without a person's doing: the sum of Chromium's layout shifts.
+  await page.addInitScript(() => {
+    window.layoutShift = 0;
+    new PerformanceObserver((list) => {
+      for (const entry of list.getEntries()) if (!entry.hadRecentInput) window.layoutShift += entry.value;
+    }).observe({ type: 'layout-shift', buffered: true });
+  });
   await page.goto(server.url + query);
   await page.waitForFunction(() => window.s3?.app.engine, null, { timeout: 30000 });
   return { page, context, server, complaints, close: async () => { await context.close(); await server.close(); } };

@@ -95,7 +95,7 @@ export function segmented<Value extends string>(
     }
   };
   for (const { value, text, title } of options) {
-    const button = h('button', { type: 'button', role: 'radio', title, onclick: () => { set(value); onchoose(value); } }, text);
+    const button = h('button', { type: 'button', role: 'radio', title, 'data-text': text, onclick: () => { set(value); onchoose(value); } }, text);
     buttons.set(value, button);
     element.append(button);
   }

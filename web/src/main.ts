@@ -111,7 +111,14 @@ const results = makeResultsPanel(app, tabs.panel('results'), {
 });
 makeRunBar(app, at('runbar'), () => void results.saveProgram());
 makeMessages(app, at('messages'), (places, frame) => view.mark(places, frame));
-app.on('done', (stage) => { if (stage === 'metrics') tabs.choose('results'); });
+let evaluated = false;
+app.on('done', (stage) => { evaluated ||= stage === 'metrics'; });
+app.on('running', () => {
+  if (app.running || !evaluated) return;
+  evaluated = false;
+  // First filled, then shown: nothing moves under the eyes.
+  void results.complete().then(() => tabs.choose('results'));
+});
 
 replace(at('welcome'), h('div', { class: 'card' },
   h('h2', {}, 'Curved layers for any solid'),

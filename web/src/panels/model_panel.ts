@@ -61,15 +61,16 @@ export function makeModelPanel(app: App, host: HTMLElement, examples: Example[],
       return;
     }
     const facts: [string, string][] = [['File', model.file.name]];
-    if (inspection) {
+    // What is not known yet keeps its line.
+    if (!inspection) {
+      facts.push(['Size', '…'], ['Triangles', count(model.surface.indices.length / 3)], ['Volume', '…']);
+    } else {
       facts.push(['Size', inspection.size_mm.map((size) => number(size)).join(' × ') + ' mm']);
       if (inspection.is_volume) facts.push(['Tets', count(inspection.tets ?? 0)]);
       else facts.push(['Triangles', count(inspection.triangles ?? model.surface.indices.length / 3)]);
       const volume = inspection.volume_after_repair_mm3 ?? inspection.volume_mm3;
       if (volume) facts.push(['Volume', `${number(volume / 1000)} cm³`]);
       if (inspection.parts && inspection.parts.length > 1) facts.push(['Parts', String(inspection.parts.length)]);
-    } else {
-      facts.push(['Triangles', count(model.surface.indices.length / 3)]);
     }
     replace(report, h('h2', {}, 'Part'),
       h('dl', { class: 'facts' }, ...facts.flatMap(([key, value]) => [h('dt', {}, key), h('dd', {}, value)])), condition());
@@ -78,7 +79,7 @@ export function makeModelPanel(app: App, host: HTMLElement, examples: Example[],
   /** Defects and what repair does about them. */
   function condition(): HTMLElement {
     const { inspection } = app;
-    if (!inspection) return h('p', { class: 'small muted' }, 'Checking the surface…');
+    if (!inspection) return h('p', { class: 'note' }, 'Checking the surface…');
     if (inspection.is_volume) return h('p', { class: 'note' }, 'A volume mesh: its tets are used as they are.');
     if (inspection.refused) return h('p', { class: 'note bad' }, inspection.refused);
     const defects = DEFECTS.map(([key, text]) => ({ text, defect: inspection[key] }))
@@ -111,7 +112,7 @@ export function makeModelPanel(app: App, host: HTMLElement, examples: Example[],
       h('span', { class: 'small muted' }, 'or drop it anywhere'))),
     report, place, h('section', { class: 'group' }, h('h2', {}, 'Examples'), makeExamples(examples, actions.example)));
   replace(place, h('h2', {}, 'On the plate'),
-    h('div', { class: 'row spread' }, h('label', { class: 'row' }, 'Unit', units), up.element),
+    h('div', { class: 'row spread' }, h('label', { class: 'row', style: 'flex-wrap: nowrap' }, 'Unit', units), up.element),
     h('div', { class: 'grid3' }, lay,
       h('button', { class: 'button', type: 'button', title: 'The largest flat face down', onclick: () => app.setParams({ 'input.rotate': 'flat' }) }, 'Flattest'),
       h('button', { class: 'button', type: 'button', title: 'Least overhang and support', onclick: () => app.setParams({ 'input.rotate': 'auto' }) }, 'Auto')),

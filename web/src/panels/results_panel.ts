@@ -15,7 +15,7 @@ export interface ResultActions {
 const ORDER = ['program.gcode', 'duet.gcode', 'program.script', 'joints.csv', 'waypoints.csv', 'fields.vtu', 'stress.csv', 'report.json', 'job.json'];
 const rank = (name: string): number => (ORDER.indexOf(name) + ORDER.length + 1) % (ORDER.length + 1);
 
-export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultActions): { saveProgram(): Promise<void> } {
+export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultActions): { saveProgram(): Promise<void>; complete(): Promise<unknown> } {
   const exports = h('section', { class: 'group' });
   const warnings = h('section', { class: 'group' });
   const table = h('section', { class: 'group' });
@@ -26,6 +26,11 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
 
   async function showFiles(): Promise<void> {
     const turn = ++round;
+    if (app.running && exports.querySelector('[data-export]')) {
+      // They keep their place until the run has ended.
+      for (const one of exports.querySelectorAll('button')) one.disabled = true;
+      return;
+    }
     const infos = app.engine && app.model && app.has('mesh') && !app.running ? await app.exports().catch(() => []) : [];
     if (turn !== round) return;
     const single = infos.filter((info) => !info.name.startsWith('layers/') && !info.name.endsWith('.svg'))
@@ -97,14 +102,18 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
     stale.hidden = !app.isStale('layers') && !app.isStale('metrics');
   }
 
+  let shown: Promise<unknown> = Promise.resolve();
+  const also = (work: Promise<void>): void => { shown = Promise.all([shown, work]); };
   for (const event of ['model', 'stages', 'running'] as const) app.on(event, showWarnings);
-  for (const event of ['model', 'running'] as const) app.on(event, () => void showFiles());
-  for (const event of ['model'] as const) app.on(event, () => void showFigures());
+  for (const event of ['model', 'running'] as const) app.on(event, () => also(showFiles()));
+  app.on('model', () => also(showFigures()));
   app.on('done', (stage) => {
-    if (stage === 'outer_loop' || stage === 'layers' || stage === 'metrics') void showFigures();
+    if (stage === 'outer_loop' || stage === 'layers' || stage === 'metrics') also(showFigures());
   });
-  void showFiles();
+  also(showFiles());
   return {
+    /** Until everything that is there is shown. */
+    complete: () => shown,
     /** The first program that the machine asks for. */
     async saveProgram() {
       const found = (await app.exports()).filter((info) => info.stage === 'export').sort((a, b) => rank(a.name) - rank(b.name))[0];

@@ -30,7 +30,8 @@ export class Viewer {
   #host: HTMLElement;
   #asked = 0;
   #plate = new THREE.Group();
-  #axes: THREE.LineSegments;
+  #axesScene = new THREE.Scene();
+  #axesCamera = new THREE.OrthographicCamera(-1.3, 1.3, 1.3, -1.3, -2, 2);
   #light = new THREE.DirectionalLight(0xffffff, 2.0);
   #fill = new THREE.DirectionalLight(0xffffff, 0.55);
   #ambient = new THREE.HemisphereLight(0xffffff, 0x8a8f98, 1.15);
@@ -54,7 +55,7 @@ export class Viewer {
     this.#light.position.set(-0.6, -1, 1.6);
     this.#fill.position.set(1, 0.8, 0.4);
     this.camera.add(this.#light, this.#fill);
-    this.#axes = makeAxes();
+    this.#axesScene.add(makeAxes());
     this.scene.add(this.camera, this.#ambient, this.#plate);
     canvas.addEventListener('webglcontextrestored', () => this.invalidate());
     new ResizeObserver(() => this.#resize()).observe(host);
@@ -200,14 +201,12 @@ export class Viewer {
 
   /** x red, y green, z blue in the lower left corner. */
   #drawAxes(): void {
-    const size = 64, scene = new THREE.Scene();
-    scene.add(this.#axes);
-    const camera = new THREE.OrthographicCamera(-1.3, 1.3, 1.3, -1.3, -2, 2);
-    camera.quaternion.copy(this.camera.quaternion);
+    const size = 64;
+    this.#axesCamera.quaternion.copy(this.camera.quaternion);
     this.#renderer.autoClear = false;
     this.#renderer.clearDepth();
     this.#renderer.setViewport(8, 92, size, size);  // above the timeline
-    this.#renderer.render(scene, camera);
+    this.#renderer.render(this.#axesScene, this.#axesCamera);
     this.#renderer.setViewport(0, 0, this.#host.clientWidth || 1, this.#host.clientHeight || 1);
   }
 }

@@ -304,7 +304,10 @@ export class Workspace {
       return { colors: { per: 'tet', rgb: colorize(sigmaMax, 'diverging', -reach, reach) }, legend: { title: 'Largest principal stress', unit: 'MPa', map: 'diverging', low: -reach, high: reach, note: 'tension positive' } };
     }
     if (this.view === 'shape' && deformation) {
-      return { colors: { per: 'vertex', rgb: bands(deformation.field, layerPitch(this.#app)) }, legend: { title: 'Layers', note: 'Bands of ten layer heights: flat in the deformed shape, curved in the part.' } };
+      const mean = (thicknessRange(this.#app)[0] + thicknessRange(this.#app)[1]) / 2;
+      const [low, high] = extent(deformation.field);
+      const layers = Math.max(1, Math.round((high - low) / mean / 15));  // in a band
+      return { colors: { per: 'vertex', rgb: bands(deformation.field, layers * mean) }, legend: { title: 'Layers', note: `Bands of ${layers} layer heights: flat in the deformed shape, curved in the part.` } };
     }
     if (this.view === 'field' && deformation) return this.#fieldColors(tets, deformation);
     return { colors: null, legend: null };
@@ -374,7 +377,7 @@ export class Workspace {
       this.#legend({ title, unit, map, low: range[0], high: range[1] });
     };
     if (mode === 'thickness') scale(w.heights, 'viridis', thicknessRange(this.#app), 'Bead height', 'mm');
-    else if (mode === 'speed') scale(w.speeds, 'viridis', robustExtent(printedOnly(w.speeds, w.travels), 0), 'Speed of the tip', 'mm/s');
+    else if (mode === 'speed') scale(w.speeds, 'viridis', robustExtent(printedOnly(w.speeds, w.travels), 0.02), 'Speed of the tip', 'mm/s');
     else if (mode === 'tilt') scale(w.tilts, 'warm', [0, Math.max(10, extent(w.tilts)[1])], 'Tilt of the nozzle', '°');
     else {
       const rgb = new Uint8Array(3 * w.count);
@@ -450,7 +453,7 @@ export class Workspace {
       parts.push(pick('Cut', 'cutAxis', [['off', 'No cut'], ['x', 'Across x'], ['y', 'Across y'], ['z', 'Across z']]));
       if (display.cutAxis !== 'off') parts.push(share('Place', 'cutAt', solid));
     }
-    if (this.view === 'field') parts.push(check('Arrows of the print direction', 'arrows'));
+    if (this.view === 'field') parts.push(check('Print directions', 'arrows'));
     if (this.view === 'mesh' || this.view === 'field' || this.view === 'stress' || this.view === 'shape') parts.push(check('Edges of the tets', 'edges'));
     if (this.view === 'layers') {
       parts.push(pick<LayerColor>('Colour', 'layerColor', [['layer', 'Layer'], ['thickness', 'Thickness'], ['tilt', 'Tilt'], ['cut', 'Partial layers']]), share('Explode', 'explode', () => this.#paintExplode()));
@@ -783,8 +786,6 @@ function thicknessRange(app: App): [number, number] {
   const nozzle = Number(app.param('nozzle.diameter')) || 1;
   return [Number(app.param('layers.min_thickness')) || 0.4 * nozzle, Number(app.param('layers.max_thickness')) || nozzle];
 }
-
-const layerPitch = (app: App): number => 10 * (thicknessRange(app)[0] + thicknessRange(app)[1]) / 2;
 
 /** Alternating tones along the field. */
 function bands(field: ArrayLike<number>, pitch: number): Uint8Array {
