@@ -173,6 +173,79 @@ test('a project reopens with model, settings and loads', { timeout: 120000 }, as
   }
 });
 
+test('painted regions say where surface quality counts and what is critical, and follow the part', { timeout: 180000 }, async () => {
+  const { page, complaints, close } = await open();
+  try {
+    await drop(page, 'block.stl', blockStl(30, 20, 15));
+    await prepared(page);
+    await coarse(page, { 'input.rotate': '90,0,0', 'objectives.surface_quality': 0.3, 'objectives.strength': 0.3, 'strength.critical_ratio': 0 });
+    await page.waitForFunction(() => !window.s3.app.running);
+    await page.getByRole('tab', { name: 'Loads' }).click();
+    for (const id of ['add-fixed', 'add-force', 'add-critical', 'add-surface']) await page.click(`#${id}`);
+    const box = await page.locator('#canvas').boundingBox();
+    const middle = [box.x + 0.5 * box.width, box.y + 0.5 * box.height];
+    const plain = await pixels(page);
+    const activate = (name) => page.locator('.load', { has: page.locator(`input[value="${name}"]`) }).click({ position: { x: 4, y: 4 } });
+    // The whole face for the surface, dabs for the rest.
+    await page.mouse.click(...middle);
+    assert.ok(difference(plain, await pixels(page)) > 0.01, 'the picked face is coloured');
+    await activate('Critical 1');
+    await page.getByRole('radio', { name: 'Paint' }).click();
+    await page.mouse.move(middle[0] - 40, middle[1]);
+    await page.mouse.down();
+    await page.mouse.move(middle[0] + 40, middle[1], { steps: 5 });
+    await page.mouse.up();
+    await activate('Force 1');
+    await page.getByRole('radio', { name: 'Pick' }).click();
+    await page.mouse.click(...middle);
+    const regions = await page.evaluate(() => window.s3.app.settings.loads.regions.map(({ kind, patches }) => [kind, patches.length]));
+    assert.deepEqual(regions.map(([kind]) => kind), ['fixed', 'force', 'critical', 'surface']);
+    assert.ok(regions[2][1] >= 2 && regions[3][1] === 1 && regions[1][1] === 1, JSON.stringify(regions));
+    // Undo takes the force's face away, redo gives it back.
+    await page.keyboard.press('Control+z');
+    assert.equal(await page.evaluate(() => window.s3.app.settings.loads.regions[1].patches.length), 0);
+    await page.keyboard.press('Control+Shift+z');
+    await page.screenshot({ path: `${pictures}regions.png` });
+    await page.waitForFunction(() => !window.s3.app.running && window.s3.app.obstacle() === '');
+    await page.click('#slice');
+    await sliced(page);
+    assert.deepEqual(await messages(page), []);
+
+    const found = await page.evaluate(async () => {
+      const { app } = window.s3;
+      const [tets, faces, stress, metrics] = await Promise.all([app.result('tets'), app.result('faces'), app.result('stress'), app.result('metrics')]);
+      const total = [0, 0, 0], asked = [];
+      faces.wantsQuality.forEach((wants, f) => {
+        if (!wants) return;
+        asked.push(faces.areas[f]);
+        for (let k = 0; k < 3; ++k) total[k] += faces.normals[3 * f + k] * faces.areas[f];
+      });
+      return {
+        area: asked.reduce((a, b) => a + b, 0), normal: total, critical: stress.critical.reduce((a, b) => a + b, 0), tets: tets.tets.length / 4,
+        percent: metrics.curved.surface_quality_region_percent, whole: metrics.curved.surface_quality_area_percent,
+      };
+    });
+    // One face of the block, whole: all its normals are the same, and its area is one of the three.
+    assert.ok(Math.abs(Math.hypot(...found.normal) / found.area - 1) < 1e-3, JSON.stringify(found));
+    assert.ok([30 * 15, 20 * 15, 30 * 20].some((area) => found.area < 1.001 * area && found.area > 0.9 * area), JSON.stringify(found));
+    assert.ok(found.critical > 0 && found.critical < 0.5 * found.tets, JSON.stringify(found));
+    assert.ok(found.percent >= 0 && found.whole >= 0);
+    assert.match(await page.locator('#panel-results table').innerText(), /Without stair-steps, painted/);
+
+    // The project keeps what was painted, and the file that a native run reads.
+    const before = await page.evaluate(() => window.s3.app.settings.loads);
+    const project = await downloaded(page, () => page.keyboard.press('Control+s'));
+    await drop(page, project.name, project.bytes);
+    await prepared(page);
+    assert.deepEqual(await page.evaluate(() => window.s3.app.settings.loads), before);
+    const job = await page.evaluate(async () => JSON.parse(new TextDecoder().decode(await window.s3.app.exportFile('job.json'))));
+    assert.deepEqual([job.objectives.surface_region, job.strength.critical_region], ['surface.json', 'critical.json']);
+    assert.deepEqual(complaints, []);
+  } finally {
+    await close();
+  }
+});
+
 test('a run is cancelled, a killed worker is replaced; model and settings stay', { timeout: 180000 }, async (t) => {
   const { page, close } = await open();
   try {
@@ -260,6 +333,9 @@ test('every control has a name; nothing is wider than the page', { timeout: 6000
     try {
       await page.locator('.welcome [data-example="trio.stl"]').click();
       await prepared(page);
+      // A long line under the button must not widen the panel.
+      await page.evaluate(() => window.s3.app.setParams({ 'objectives.strength': 0.5 }));
+      assert.match(await page.locator('#runbar').innerText(), /Strength needs loads/);
       for (const tab of ['Part', 'Goals', 'Loads', 'Settings', 'Results']) {
         await page.getByRole('tab', { name: tab }).click();
         const nameless = await page.evaluate(() => [...document.querySelectorAll('button, input, select, [tabindex="0"]')].filter((element) => {
@@ -267,7 +343,7 @@ test('every control has a name; nothing is wider than the page', { timeout: 6000
           return !text;
         }).map((element) => element.outerHTML.slice(0, 120)));
         assert.deepEqual(nameless, [], tab);
-        const wide = await page.evaluate(() => [...document.querySelectorAll('.panels, .panels > :not([hidden])')].filter((element) => element.scrollWidth > element.clientWidth + 1).length + (document.documentElement.scrollWidth > innerWidth ? 1 : 0));
+        const wide = await page.evaluate(() => [...document.querySelectorAll('.side, .panels, .panels > :not([hidden])')].filter((element) => element.scrollWidth > element.clientWidth + 1).length + (document.documentElement.scrollWidth > innerWidth ? 1 : 0));
         assert.equal(wide, 0, `${tab} at ${width}`);
         await page.screenshot({ path: `${pictures}${tab.toLowerCase()}-${width}-${theme}.png` });
       }

@@ -72,6 +72,8 @@ const misplaced = (page) => page.evaluate(() => {
     if (Math.min(a.box.right, b.box.right) > Math.max(a.box.left, b.box.left) + 1 && Math.min(a.box.bottom, b.box.bottom) > Math.max(a.box.top, b.box.top) + 1) problems.push(`${a.id} covers ${b.id}`);
   }));
   for (const output of document.querySelectorAll('#timeline output, #display output, #legend *')) {
+    const holder = output.closest('#timeline, #display, #legend');
+    if (output.getBoundingClientRect().right > holder.getBoundingClientRect().right) problems.push(`sticks out: ${output.textContent}`);
     if (output.scrollWidth > output.clientWidth + 1 && getComputedStyle(output).display !== 'inline') problems.push(`cut off: ${output.textContent}`);
   }
   if (document.documentElement.scrollWidth > innerWidth) problems.push('the page is wider than the window');
@@ -103,6 +105,11 @@ test('every view shows the part at 1280 and 390 pixels, light and dark', { timeo
           const share = difference(await emptied(page), await pixels(page));
           assert.ok(share > 0.02, `${shown.name} at ${width}, ${theme}: ${share} of the picture`);
           assert.deepEqual(await misplaced(page), [], `${shown.name} at ${width}`);
+          if (shown.name === 'toolpaths') {
+            // A print of days.
+            await page.evaluate(() => { document.querySelector('#timeline output:has(.total)').innerHTML = '123 h 45 min<span class="total"> of 123 h 55 min</span>'; });
+            assert.deepEqual(await misplaced(page), [], `long times at ${width}`);
+          }
           await page.screenshot({ path: `${folder}${shown.name}-${width}-${theme}.png` });
         }
       }

@@ -87,6 +87,7 @@ export function makeRunBar(app: App, host: HTMLElement, saveProgram: () => void)
       const stale = app.stages.filter((stage) => stage.state === 'stale');
       status.textContent = stale.length > 0 ? `${stale.length} of ${app.stages.length} stages to do again` : 'Ready';
     }
+    status.title = status.textContent;  // where it is cut short
   }
 
   function fillList(): void {

@@ -560,7 +560,9 @@ export class Workspace {
     }
     const handles = new Set<number>();
     if (shape) {
-      for (const region of loads.regions) {
+      // The one that is worked on covers the others.
+      const active = this.#loads.active()?.id;
+      for (const region of [...loads.regions].sort((a, b) => Number(a.id === active) - Number(b.id === active))) {
         const color = regionColor(loads, region);
         const faces = this.#facesOf(region, shape);
         for (const face of faces) colors.set(face, color);
