@@ -1,7 +1,8 @@
 // The page as a person uses it: drop, slice, look, cancel, crash, export, reload. Software rendering, small models.
 import assert from 'node:assert/strict';
-import { readFileSync, writeFileSync } from 'node:fs';
+import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { after, test } from 'node:test';
+import { gzipSync } from 'node:zlib';
 import { blockStl, coarse, difference, drop, messages, open, openStl, pictures, pixels, prepared, root, shut, sliced } from './page.mjs';
 
 after(shut);
@@ -322,6 +323,30 @@ test('a host without headers gets threads by the service worker, and the page wo
     await drop(page, 'block.stl', blockStl(20, 20, 20));
     await prepared(page);
     assert.deepEqual(await messages(page), []);
+  } finally {
+    await close();
+  }
+});
+
+test('the page paints within a second and weighs less than 3 MB', { timeout: 60000 }, async (t) => {
+  const { page, close } = await open();
+  try {
+    const paints = [];
+    for (let i = 0; i < 3; ++i) {
+      await page.reload();
+      await page.waitForFunction(() => window.s3?.app.engine && performance.getEntriesByName('first-contentful-paint').length > 0);
+      paints.push(await page.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0].startTime));
+    }
+    t.diagnostic(`first paint after ${paints.map((time) => time.toFixed(0)).join(', ')} ms`);
+    assert.ok(Math.min(...paints) < 1000, paints.join());
+    // All that was loaded, packed as a host packs it; without the examples, which are loaded when they are asked for.
+    const names = await page.evaluate(() => [location.href, ...performance.getEntriesByType('resource').map((entry) => entry.name)]);
+    const workers = page.workers().map((worker) => worker.url());
+    const paths = new Set([...names, ...workers].filter((name) => name.startsWith('http')).map((name) => new URL(name).pathname));
+    for (const name of readdirSync(`${root}web/dist`).filter((folder) => folder.startsWith('engine-'))) for (const file of ['s3slicer-threads.wasm', 's3slicer-threads.mjs']) paths.add(`/${name}/${file}`);
+    const weight = [...paths].map((path) => gzipSync(readFileSync(`${root}web/dist${path === '/' ? '/index.html' : path}`), { level: 9 }).length).reduce((a, b) => a + b, 0);
+    t.diagnostic(`${paths.size} files of ${(weight / 1e6).toFixed(2)} MB`);
+    assert.ok(paths.size >= 6 && weight > 5e5 && weight < 3e6, `${weight} bytes in ${[...paths].join()}`);
   } finally {
     await close();
   }

@@ -33,12 +33,19 @@ async function present(page, { view, choose = {}, tick = {}, slide = {} }) {
   await page.getByRole('radio', { name: view, exact: true }).click();
   await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name, view);
   const display = page.locator('#display');
+  // On a narrow screen the options are folded away, and again for the picture.
+  const fold = display.locator('.fold');
+  const folded = await fold.isVisible();
+  if (folded) await fold.click();
   for (const [label, option] of Object.entries(choose)) await display.getByLabel(label).selectOption({ label: option });
   for (const [label, wanted] of Object.entries(tick)) await display.getByLabel(label).setChecked(wanted);
   for (const [label, value] of Object.entries(slide)) {
     const slider = display.getByLabel(label);
     if (await slider.count() > 0) await slider.fill(value);
   }
+  if (!folded) return;
+  assert.deepEqual(await misplaced(page), [], `${view}, unfolded`);
+  await fold.click();
 }
 
 /** The view without what it shows: background, plate and axes. */

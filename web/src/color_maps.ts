@@ -56,7 +56,7 @@ export const TRAVEL_COLOR: Rgb = hex('#9a8fd0');
 export const WARNING_COLOR: Rgb = hex('#e0453a');
 
 /** Neighbouring layers in tones that can be told apart, repeating after six. */
-const LAYER_TONES: Rgb[] = ['#4f8fc0', '#7fb2d6', '#5aa39b', '#8cc7b5', '#c0a25a', '#dcc48a'].map(hex);
+export const LAYER_TONES: Rgb[] = ['#4f8fc0', '#7fb2d6', '#5aa39b', '#8cc7b5', '#c0a25a', '#dcc48a'].map(hex);
 export const layerColor = (layer: number): Rgb => LAYER_TONES[layer % LAYER_TONES.length]!;
 
 export const css = ([r, g, b]: Rgb): string => `rgb(${r} ${g} ${b})`;

@@ -5,6 +5,7 @@ import type { TetArrays } from '../../../wasm/index.js';
 import { tetCentroids, tetNeighbors, visibleFaces } from '../tet_topology.ts';
 import type { Box } from './viewer.ts';
 import { srgbToLinear } from './surface_view.ts';
+import { LAYER_TONES } from '../color_maps.ts';
 import type { Rgb } from '../color_maps.ts';
 
 export interface Cut {
@@ -15,8 +16,8 @@ export interface Cut {
   below: boolean;
 }
 
-/** rgb bytes of each tet or of each vertex. */
-export type SolidColors = { per: 'tet' | 'vertex'; rgb: Uint8Array } | null;
+/** rgb bytes of each tet or of each vertex; or a number at each vertex whose whole steps are bands of alternating tones. */
+export type SolidColors = { per: 'tet' | 'vertex'; rgb: Uint8Array } | { per: 'bands'; level: Float32Array } | null;
 
 const ARROWS = 2600;
 
@@ -95,8 +96,10 @@ export class SolidView {
     geometry.setAttribute('position', new THREE.BufferAttribute(position, 3));
     geometry.setAttribute('deformed', new THREE.BufferAttribute(target, 3));
     geometry.setAttribute('color', new THREE.BufferAttribute(color, 3, true));
+    const bands = this.#colors?.per === 'bands' ? this.#colors.level : null;
+    if (bands) geometry.setAttribute('level', new THREE.BufferAttribute(Float32Array.from(faces.vertices, (v) => bands[v]!), 1));
     geometry.setAttribute('corner', new THREE.BufferAttribute(Float32Array.from({ length: count }, (_, i) => i % 3), 1));
-    this.#shown = new THREE.Mesh(geometry, solidMaterial(this.#amount, this.#edges));
+    this.#shown = new THREE.Mesh(geometry, solidMaterial(this.#amount, this.#edges, bands !== null));
     this.#shown.frustumCulled = false;
     this.group.add(this.#shown);
     if (this.#directions) this.#makeArrows(mesh, this.#directions, kept);
@@ -109,6 +112,8 @@ export class SolidView {
       const face = Math.floor(i / 3);
       if (!chosen) {
         color.set(face < faces.firstInner ? outer : inner, 3 * i);
+      } else if (chosen.per === 'bands') {
+        color.fill(255, 3 * i, 3 * i + 3);
       } else {
         const at = 3 * (chosen.per === 'tet' ? faces.tets[face]! : faces.vertices[i]!);
         color.set(srgbToLinear([chosen.rgb[at]!, chosen.rgb[at + 1]!, chosen.rgb[at + 2]!] as Rgb), 3 * i);
@@ -184,7 +189,7 @@ function arrowGeometry(): THREE.BufferGeometry {
 }
 
 /** Flat faces between two shapes, with the edges of the tets drawn in. */
-function solidMaterial(amount: { value: number }, edges: boolean): THREE.Material {
+function solidMaterial(amount: { value: number }, edges: boolean, bands: boolean): THREE.Material {
   const material = new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.8, flatShading: true, side: THREE.DoubleSide });
   material.onBeforeCompile = (shader) => {
     shader.uniforms.amount = amount;
@@ -192,6 +197,14 @@ function solidMaterial(amount: { value: number }, edges: boolean): THREE.Materia
       .replace('#include <common>', 'attribute vec3 deformed;\nattribute float corner;\nuniform float amount;\nvarying vec3 vCorner;\n#include <common>')
       .replace('#include <begin_vertex>',
         'vec3 transformed = mix(position, deformed, amount);\nvCorner = vec3(corner == 0.0, corner == 1.0, corner == 2.0);');
+    if (bands) {
+      const tones = LAYER_TONES.map((tone) => `vec3(${srgbToLinear(tone).map((value) => (value / 255).toFixed(4)).join(', ')})`);
+      shader.vertexShader = shader.vertexShader
+        .replace('#include <common>', 'attribute float level;\nvarying float vLevel;\n#include <common>').replace('vCorner =', 'vLevel = level;\nvCorner =');
+      shader.fragmentShader = shader.fragmentShader
+        .replace('#include <common>', `varying float vLevel;\nconst vec3 TONES[${tones.length}] = vec3[](${tones.join(', ')});\n#include <common>`)
+        .replace('#include <color_fragment>', `diffuseColor.rgb *= TONES[int(mod(floor(vLevel), ${tones.length}.0))];\n#include <color_fragment>`);
+    }
     shader.fragmentShader = shader.fragmentShader
       .replace('#include <common>', 'varying vec3 vCorner;\n#include <common>')
       .replace('#include <color_fragment>', edges
@@ -199,6 +212,6 @@ function solidMaterial(amount: { value: number }, edges: boolean): THREE.Materia
           'diffuseColor.rgb *= mix(0.72, 1.0, min(near.x, min(near.y, near.z)));'
         : '#include <color_fragment>');
   };
-  material.customProgramCacheKey = () => `solid-${edges}`;
+  material.customProgramCacheKey = () => `solid-${edges}-${bands}`;
   return material;
 }

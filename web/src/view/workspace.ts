@@ -4,7 +4,7 @@ import type { DeformationArrays, FaceAngles, Gouging, LayerArrays, MotionArrays,
 import type { App } from '../app.ts';
 import { KIND_COLORS, TRAVEL_COLOR, WARNING_COLOR, colorize, extent, layerColor, robustExtent } from '../color_maps.ts';
 import type { MapName, Rgb } from '../color_maps.ts';
-import { h, replace, segmented, slider } from '../dom.ts';
+import { h, icon, replace, segmented, slider } from '../dom.ts';
 import { number, printTime } from '../format.ts';
 import { showLegend } from '../legend.ts';
 import type { LegendContent } from '../legend.ts';
@@ -307,7 +307,8 @@ export class Workspace {
       const mean = (thicknessRange(this.#app)[0] + thicknessRange(this.#app)[1]) / 2;
       const [low, high] = extent(deformation.field);
       const layers = Math.max(1, Math.round((high - low) / mean / 15));  // in a band
-      return { colors: { per: 'vertex', rgb: bands(deformation.field, layers * mean) }, legend: { title: 'Layers', note: `Bands of ${layers} layer heights: flat in the deformed shape, curved in the part.` } };
+      const level = Float32Array.from(deformation.field, (value) => value / (layers * mean));
+      return { colors: { per: 'bands', level }, legend: { title: 'Layers', note: `Bands of ${layers === 1 ? 'one layer height' : `${layers} layer heights`}: flat in the deformed shape, curved in the part.` } };
     }
     if (this.view === 'field' && deformation) return this.#fieldColors(tets, deformation);
     return { colors: null, legend: null };
@@ -469,7 +470,15 @@ export class Workspace {
       });
       parts.push(choice.element);
     }
-    replace(this.#displayHost, ...parts);
+    replace(this.#displayHost, parts.length > 0 && this.#foldButton(), ...parts);
+  }
+
+  /** Where there is little room, the options are folded away until they are asked for; the style decides where. */
+  #foldButton(): HTMLElement {
+    const button = h('button', { class: 'fold', type: 'button', onclick: () => { this.#displayHost.classList.toggle('open'); tell(); } }, icon('chevron'), 'Display');
+    const tell = (): void => button.setAttribute('aria-expanded', String(this.#displayHost.classList.contains('open')));
+    tell();
+    return button;
   }
 
   #solidAsked = 0;
@@ -787,13 +796,6 @@ function printedOnly(values: ArrayLike<number>, travels: Uint8Array): Float32Arr
 function thicknessRange(app: App): [number, number] {
   const nozzle = Number(app.param('nozzle.diameter')) || 1;
   return [Number(app.param('layers.min_thickness')) || 0.4 * nozzle, Number(app.param('layers.max_thickness')) || nozzle];
-}
-
-/** Alternating tones along the field. */
-function bands(field: ArrayLike<number>, pitch: number): Uint8Array {
-  const rgb = new Uint8Array(3 * field.length);
-  for (let v = 0; v < field.length; ++v) rgb.set(layerColor(Math.max(0, Math.floor(field[v]! / pitch))), 3 * v);
-  return rgb;
 }
 
 function middleOf(shape: SurfaceShape, faces: Set<number>, matrix: ArrayLike<number> | null): THREE.Vector3 {
