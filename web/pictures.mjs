@@ -11,15 +11,17 @@ const server = await serve({ root: `${here}dist`, isolation: true });
 const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'] });
 const page = await browser.newPage({ viewport: { width: 1180, height: 720 }, serviceWorkers: 'block', colorScheme: 'light' });
 await page.goto(server.url);
-await page.locator('[data-example="teapot.stl"]').click();
+await page.locator('.welcome [data-example="teapot.stl"]').click();
 await page.waitForFunction(() => window.s3.app.inspection && !window.s3.app.running, null, { timeout: 120000 });
-await page.evaluate(() => window.s3.app.setParams({ 'mesh.target_tets': 15000, 'nozzle.diameter': 2 }));
+await page.evaluate(() => window.s3.app.setParams({
+  'mesh.target_tets': 25000, 'nozzle.diameter': 1.5, 'objectives.support_free': 0.5, 'objectives.surface_quality': 0.5, 'objectives.gamma': 8,
+}));
 await page.click('#slice');
 await page.waitForFunction(() => !window.s3.app.running && window.s3.app.stages.every((stage) => stage.state === 'done'), null, { timeout: 900000 });
 
 const show = async (view) => {
   await page.getByRole('radio', { name: view, exact: true }).click();
-  await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name, view);
+  await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name && !window.s3.workspace.loading, view);
   await page.evaluate(() => window.s3.workspace.look('iso'));
 };
 const keep = async (name) => {
@@ -35,7 +37,6 @@ const scrub = (label, share) => page.evaluate(([name, part]) => {
 const theme = () => page.getByRole('button', { name: 'Dark or light' }).click();
 
 await show('Layers');
-await scrub('Last piece shown', 0.7);
 await keep('layers');
 await theme();
 await show('Toolpaths');
@@ -49,7 +50,7 @@ await page.evaluate(() => document.querySelector('#panel-results svg.plot')?.scr
 await keep('analysis');
 await page.setViewportSize({ width: 390, height: 844 });
 await theme();
-await show('Layers');
+await show('Toolpaths');
 await page.getByRole('tab', { name: 'Goals' }).click();
 await keep('narrow');
 await browser.close();

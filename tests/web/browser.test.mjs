@@ -85,7 +85,7 @@ test('from drop to layers with one click, scrubbed and printed, exported and rea
     const frames = {};
     for (const view of ['Part', 'Mesh', 'Shape', 'Field', 'Layers', 'Toolpaths']) {
       await page.getByRole('radio', { name: view, exact: true }).click();
-      await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name, view);
+      await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name && !window.s3.workspace.loading, view);
       assert.ok(difference(empty, await pixels(page)) > 0.03, view);
       frames[view] = await page.evaluate(() => ({ ...window.s3.workspace.viewer.figures }));
       assert.ok(frames[view].drawCalls <= 60, `${view}: ${frames[view].drawCalls} draw calls`);

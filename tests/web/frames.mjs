@@ -37,7 +37,7 @@ print({ model: basename(values.model), waypoints: count, renderer, viewport: pag
 const quantile = (times, share) => Math.round(100 * [...times].sort((a, b) => a - b)[Math.floor(share * (times.length - 1))]) / 100;
 for (const view of ['Part', 'Mesh', 'Shape', 'Field', 'Layers', 'Toolpaths']) {
   await page.getByRole('radio', { name: view, exact: true }).click();
-  await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name, view);
+  await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name && !window.s3.workspace.loading, view);
   const scrubbed = view === 'Layers' || view === 'Toolpaths';
   // From all layers to the first and back, as a hand on the slider; elsewhere the part is turned.
   const measured = await page.evaluate(({ steps, scrubbed }) => {

@@ -31,7 +31,7 @@ const SHOWN = [
 /** Chooses the view and what is in it, as far as its controls are there. */
 async function present(page, { view, choose = {}, tick = {}, slide = {} }) {
   await page.getByRole('radio', { name: view, exact: true }).click();
-  await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name, view);
+  await page.waitForFunction((name) => document.querySelector('#views [aria-checked=true]')?.textContent === name && !window.s3.workspace.loading, view);
   const display = page.locator('#display');
   // On a narrow screen the options are folded away, and again for the picture.
   const fold = display.locator('.fold');

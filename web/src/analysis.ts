@@ -36,7 +36,7 @@ interface MetricInfo {
 
 const METRICS: MetricInfo[] = [
   { label: 'Support free', unit: '% of area', read: (m) => m.support_free_area_percent, sense: 1 },
-  { label: 'Mean overhang beyond 45°', unit: '°', read: (m) => m.support_free_mean_violation_deg, sense: -1 },
+  { label: 'Mean excess overhang', unit: '°', read: (m) => m.support_free_mean_violation_deg, sense: -1 },
   { label: 'Without stair-steps', unit: '% of area', read: (m) => m.surface_quality_area_percent, sense: 1 },
   { label: 'Without stair-steps, painted', unit: '% of region', read: (m) => m.surface_quality_region_percent, sense: 1 },
   { label: 'Along the tension', unit: '% of tets', read: (m) => m.strength_critical_percent, sense: 1 },

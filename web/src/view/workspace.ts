@@ -58,6 +58,8 @@ interface Display {
 export class Workspace {
   readonly viewer: Viewer;
   view: ViewName = 'model';
+  /** Whether results of the view are still on their way. */
+  loading = false;
   #app: App;
   #loads: LoadEditor;
   #surface = new SurfaceView();
@@ -211,6 +213,7 @@ export class Workspace {
   async show(view: ViewName, keep = false): Promise<void> {
     const round = ++this.#round;
     this.view = view;
+    this.loading = true;
     this.#switch.set(view);
     if (!keep) {
       this.#pin.visible = false;
@@ -227,6 +230,7 @@ export class Workspace {
     this.#refresh();
     this.#showTimeline();
     this.#placeHandles();
+    this.loading = false;
   }
 
   async #load(view: ViewName): Promise<void> {
