@@ -103,7 +103,8 @@ test('from drop to layers with one click, scrubbed and printed, exported and rea
     });
     assert.ok(program.moves.length >= waypoints.count, `${program.moves.length} moves for ${waypoints.count} waypoints`);
     assert.ok(Math.abs(program.filament - waypoints.filament) < 0.02 * waypoints.filament + 20, `${program.filament} mm of filament, ${waypoints.filament} in the waypoints`);
-    await page.locator('#panel-results svg.plot').nth(2).waitFor();
+    const plots = await page.locator('#panel-results figure figcaption').allInnerTexts();
+    for (const title of ['Overhang', 'Stair-steps', 'Layer thickness', 'Π']) assert.ok(plots.some((text) => text.startsWith(title)), `${title} is not in ${plots.join(', ')}`);
     assert.match(await page.locator('#panel-results table').innerText(), /Support free/);
 
     // Another number of walls touches toolpaths and what follows, nothing before.

@@ -32,7 +32,7 @@ export interface Model {
 /** Which stage a result is of. */
 export const RESULT_STAGE: Record<ResultName, Stage> = {
   placement: 'mesh', surface: 'mesh', tets: 'tetrahedralize', stress: 'fea', faces: 'objectives', deformation: 'outer_loop',
-  faceAngles: 'outer_loop', histogramData: 'outer_loop', gouging: 'outer_loop', layers: 'layers', waypoints: 'waypoints',
+  faceAngles: 'outer_loop', histogramData: 'layers', gouging: 'outer_loop', layers: 'layers', waypoints: 'waypoints',
   motion: 'motion', metrics: 'metrics', plots: 'metrics',
 };
 

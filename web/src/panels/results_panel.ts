@@ -108,7 +108,7 @@ export function makeResultsPanel(app: App, host: HTMLElement, actions: ResultAct
   for (const event of ['model', 'running'] as const) app.on(event, () => also(showFiles()));
   app.on('model', () => also(showFigures()));
   app.on('done', (stage) => {
-    if (stage === 'outer_loop' || stage === 'layers' || stage === 'metrics') also(showFigures());
+    if (stage === 'layers' || stage === 'metrics') also(showFigures());
   });
   also(showFiles());
   return {
