@@ -208,6 +208,12 @@ test('painted regions say where surface quality counts and what is critical, and
     assert.equal(await page.evaluate(() => window.s3.app.settings.loads.regions[1].patches.length), 0);
     await page.keyboard.press('Control+Shift+z');
     await page.screenshot({ path: `${pictures}regions.png` });
+    // A second force of a case of its own: then each case has to be held and loaded.
+    await page.click('#add-force');
+    await page.mouse.click(...middle);
+    await page.getByLabel('Force 1 acts in').selectOption({ label: 'case 1 (new)' });
+    await page.getByLabel('Force 2 acts in').selectOption({ label: 'case 2 (new)' });
+    await page.getByLabel('Force 2, force along x, N').fill('60');
     await page.waitForFunction(() => !window.s3.app.running && window.s3.app.obstacle() === '');
     await page.click('#slice');
     await sliced(page);
@@ -241,7 +247,9 @@ test('painted regions say where surface quality counts and what is critical, and
     await prepared(page);
     assert.deepEqual(await page.evaluate(() => window.s3.app.settings.loads), before);
     const job = await page.evaluate(async () => JSON.parse(new TextDecoder().decode(await window.s3.app.exportFile('job.json'))));
-    assert.deepEqual([job.objectives.surface_region, job.strength.critical_region], ['surface.json', 'critical.json']);
+    assert.deepEqual([job.objectives.surface_region, job.strength.critical_region, job.strength.load_case], ['surface.json', 'critical.json', 'loads.json']);
+    const loads = await page.evaluate(() => window.s3.app.settings.loads.regions.map(({ name, loadCase, force }) => [name, loadCase, force[0]]));
+    assert.deepEqual(loads.filter(([name]) => name.startsWith('Force')), [['Force 1', 1, 0], ['Force 2', 2, 60]]);
     assert.deepEqual(complaints, []);
   } finally {
     await close();

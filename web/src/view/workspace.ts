@@ -1,6 +1,6 @@
 // What the viewport shows: chooses the view, feeds it with results, colours it, and answers clicks on it.
 import * as THREE from 'three';
-import type { DeformationArrays, FaceAngles, Gouging, LayerArrays, MotionArrays, StressArrays, TetArrays, WaypointArrays } from '../../../wasm/index.js';
+import type { DeformationArrays, FaceAngles, FaceArrays, Gouging, LayerArrays, MotionArrays, StressArrays, TetArrays, WaypointArrays } from '../../../wasm/index.js';
 import type { App } from '../app.ts';
 import { KIND_COLORS, TRAVEL_COLOR, WARNING_COLOR, colorize, extent, layerColor, robustExtent } from '../color_maps.ts';
 import type { MapName, Rgb } from '../color_maps.ts';
@@ -80,6 +80,7 @@ export class Workspace {
   #deformation: DeformationArrays | null = null;
   #stressData: StressArrays | null = null;
   #angles: FaceAngles | null = null;
+  #faces: FaceArrays | null = null;
   #gouging: Gouging | null = null;
   #gouges = marker();
   #layerData: LayerArrays | null = null;
@@ -159,7 +160,7 @@ export class Workspace {
     }
     if (stage === 'tetrahedralize') this.#tets = this.#stressData = this.#deformation = this.#angles = this.#gouging = null;
     if (stage === 'fea') this.#stressData = null;
-    if (stage === 'outer_loop') this.#deformation = this.#angles = this.#gouging = null;
+    if (stage === 'outer_loop') this.#deformation = this.#angles = this.#faces = this.#gouging = null;
     if (stage === 'layers' || (stage === 'metrics' && this.#display.planar)) this.#layerData = null;
     if (stage === 'waypoints' || (stage === 'metrics' && this.#display.planar)) this.#waypoints = null;
     if (stage === 'motion') this.#motion = null;
@@ -183,7 +184,7 @@ export class Workspace {
     this.#solid.clear();
     this.#layers.clear();
     this.#paths.clear();
-    this.#tets = this.#deformation = this.#stressData = this.#angles = this.#gouging = this.#layerData = this.#waypoints = this.#motion = null;
+    this.#tets = this.#deformation = this.#stressData = this.#angles = this.#faces = this.#gouging = this.#layerData = this.#waypoints = this.#motion = null;
     this.#shownSurface = this.#shape = null;
     this.#pin.visible = false;
     this.#marks = { places: [], frame: 'rest' };
@@ -242,6 +243,7 @@ export class Workspace {
       }
       this.#deformation ??= await app.result('deformation');
       this.#angles ??= await app.result('faceAngles');
+      this.#faces ??= await app.result('faces');
       this.#gouging ??= await app.result('gouging');
       if (view === 'stress') this.#stressData ??= await app.result('stress');
     }
@@ -331,12 +333,25 @@ export class Workspace {
     if (flags) {
       const rgb = new Uint8Array(3 * count);
       for (let t = 0; t < count; ++t) rgb.set([165, 176, 190], 3 * t);
-      flags.forEach((flag, face) => { if (flag) rgb.set(WARNING_COLOR, 3 * tets.boundaryTets[face]!); });
-      const found = flags.some((flag) => flag !== 0);
-      const text = this.#display.field === 'overhang' ? 'overhangs its layer' : 'shows stair-steps';
+      // Stair-steps count in the painted region, where there is one.
+      const asked = this.#display.field === 'stairs' ? this.#paintedFaces() : null;
+      let found = false;
+      flags.forEach((flag, face) => {
+        if (!flag || (asked && !asked[face])) return;
+        found = true;
+        rgb.set(WARNING_COLOR, 3 * tets.boundaryTets[face]!);
+      });
+      const text = this.#display.field === 'overhang' ? 'overhangs its layer' : `shows stair-steps${asked ? ' where it is painted' : ''}`;
       return { colors: { per: 'tet', rgb }, legend: { title: this.#display.field === 'overhang' ? 'Overhang' : 'Stair-steps', keys: [{ color: WARNING_COLOR, text: found ? text : `${text}: nowhere` }] } };
     }
     return scale('vertex', deformation.field, 'viridis', extent(deformation.field), 'Height field G', 'mm');
+  }
+
+  /** 1 on faces that surface quality is asked of, where it is not all of them. */
+  #paintedFaces(): Uint8Array | null {
+    const faces = this.#faces;
+    if (!faces || !faces.wantsQuality.includes(1)) return null;
+    return faces.wantsQuality.some((wants, face) => !wants && !faces.exempt[face]) ? faces.wantsQuality : null;
   }
 
   // --- layers
