@@ -274,7 +274,9 @@ test('a run is cancelled, a killed worker is replaced; model and settings stay',
     });
     t.diagnostic(`cancel was answered within ${took.toFixed(0)} ms with ${await page.evaluate(() => window.s3.app.engine.threads)} threads`);
     assert.deepEqual(await messages(page), []);
-    assert.equal(await page.evaluate(() => window.s3.app.stages.find((stage) => stage.stage === 'mesh').state), 'done');
+    const after = await page.evaluate(() => Object.fromEntries(window.s3.app.stages.map(({ stage, state }) => [stage, state])));
+    assert.equal(after.mesh, 'done');
+    assert.notEqual(after.tetrahedralize, 'done', 'the run was stopped in its stage');
 
     // The worker is killed while it works.
     await coarse(page);
