@@ -14,8 +14,9 @@ namespace s3 {
 
 class Context {
  public:
-  explicit Context(int threads = 1) : pool(threads) {}
+  explicit Context(int threads = 1) : pool(threads, [this] { checkpoint(); }) {}
 
+  /// Its loops over chunks make a checkpoint before each chunk.
   ThreadPool pool;
 
   /// Called with the stage and its own progress in [0, 1]. May be empty.
@@ -26,8 +27,14 @@ class Context {
 
   std::vector<Warning> warnings;
 
-  /// Throws Cancelled after a cancel. Call at every phase border and once per chunk of long loops.
+  /// Called at every checkpoint, from whichever thread computes; may set cancel_requested. For
+  /// measurements and tests.
+  std::function<void()> on_checkpoint;
+
+  /// Throws Cancelled after a cancel. Call at every phase border and in long loops; a
+  /// cancel should be answered within 100 ms.
   void checkpoint() const {
+    if (on_checkpoint) on_checkpoint();
     if (cancel_requested.load(std::memory_order_relaxed)) throw Cancelled();
   }
 

@@ -5,6 +5,7 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 namespace s3 {
 
@@ -54,7 +55,8 @@ struct ThreadPool::State {
   }
 };
 
-ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
+ThreadPool::ThreadPool(int threads, std::function<void()> before_chunk)
+    : state_(std::make_unique<State>()), before_chunk_(std::move(before_chunk)) {
 #ifdef S3_NO_THREADS
   threads = 1;
 #endif

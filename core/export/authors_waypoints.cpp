@@ -5,12 +5,18 @@
 #include "export/number_text.h"
 
 namespace s3 {
+namespace {
 
-std::vector<std::string> write_authors_waypoints(const Waypoints& waypoints) {
+constexpr Index kLinesPerCheckpoint = 4096;
+
+}  // namespace
+
+std::vector<std::string> write_authors_waypoints(const Waypoints& waypoints, Context& ctx) {
   Index components = 0;
   for (const Index c : waypoints.component) components = std::max(components, c + 1);
   std::vector<std::string> files(static_cast<std::size_t>(components));
   for (Index i = 0; i < waypoints.size(); ++i) {
+    if (i % kLinesPerCheckpoint == 0) ctx.checkpoint();
     const auto k = static_cast<std::size_t>(i);
     // A path begins at the end of a travel.
     const bool begins = waypoints.travel[k] && i + 1 < waypoints.size() && !waypoints.travel[k + 1];

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "base/context.h"
 #include "waypoints/waypoints.h"
 
 namespace s3 {
 
 /// @return one text for each component in print order, to be named 0.txt, 1.txt, …; empty where a
 /// component has no path
-std::vector<std::string> write_authors_waypoints(const Waypoints& waypoints);
+std::vector<std::string> write_authors_waypoints(const Waypoints& waypoints, Context& ctx);
 
 }  // namespace s3

@@ -12,6 +12,7 @@ namespace {
 constexpr int kLengthDecimals = 4;  // mm
 constexpr int kAngleDecimals = 4;   // degrees
 constexpr int kFilamentDecimals = 5;
+constexpr std::size_t kMovesPerCheckpoint = 4096;
 
 std::string fixed(double value, int decimals) {
   std::string text;
@@ -21,15 +22,19 @@ std::string fixed(double value, int decimals) {
 
 class Program {
  public:
-  Program(const Waypoints& waypoints, const MachineMotion& motion, const MachineProfile& machine)
-      : waypoints_(waypoints), motion_(motion), machine_(machine) {
+  Program(const Waypoints& waypoints, const MachineMotion& motion, const MachineProfile& machine,
+          Context& ctx)
+      : waypoints_(waypoints), motion_(motion), machine_(machine), ctx_(ctx) {
     text_.reserve(motion.pose.size() * 64 + 4000);
   }
 
   std::string write() {
     header();
     start();
-    for (std::size_t m = 0; m < motion_.pose.size(); ++m) move(m);
+    for (std::size_t m = 0; m < motion_.pose.size(); ++m) {
+      if (m % kMovesPerCheckpoint == 0) ctx_.checkpoint();
+      move(m);
+    }
     end();
     return std::move(text_);
   }
@@ -197,6 +202,7 @@ class Program {
   const Waypoints& waypoints_;
   const MachineMotion& motion_;
   const MachineProfile& machine_;
+  Context& ctx_;
   std::string text_;
   MachinePose last_;
   double filament_ = 0;
@@ -209,8 +215,8 @@ class Program {
 }  // namespace
 
 std::string write_gcode(const Waypoints& waypoints, const MachineMotion& motion,
-                        const MachineProfile& machine) {
-  return Program(waypoints, motion, machine).write();
+                        const MachineProfile& machine, Context& ctx) {
+  return Program(waypoints, motion, machine, ctx).write();
 }
 
 }  // namespace s3

@@ -8,6 +8,7 @@
 #pragma once
 #include <string>
 
+#include "base/context.h"
 #include "motion/five_axis.h"
 #include "motion/machine_profile.h"
 #include "waypoints/waypoints.h"
@@ -16,6 +17,6 @@ namespace s3 {
 
 /// @param motion  of these waypoints on this machine (plan_motion)
 std::string write_gcode(const Waypoints& waypoints, const MachineMotion& motion,
-                        const MachineProfile& machine);
+                        const MachineProfile& machine, Context& ctx);
 
 }  // namespace s3

@@ -457,8 +457,8 @@ Candidate Slicer::make_candidate(Probe next) {
   Candidate candidate;
   candidate.iso = next.iso;
   candidate.partial = keep.size() > 0 && keep.minCoeff() < 0;
-  candidate.surface =
-      remesh(candidate.partial ? cut_where_negative(next.surface, keep) : next.surface, target_);
+  candidate.surface = remesh(
+      candidate.partial ? cut_where_negative(next.surface, keep) : next.surface, target_, ctx_);
   candidate.distance = measure(material_, candidate.surface.surface.vertices, range_.far(), ctx_);
   refine_extremes(material_, range_, d_min_, d_max_, candidate.surface, candidate.distance, ctx_);
   return candidate;
@@ -513,7 +513,7 @@ LayerStack Slicer::even(double step) {
   for (double i = 1; i <= count; ++i) {
     ctx_.progress(Stage::layers, i / count);
     const double iso = bottom + i * step;
-    const Isosurface whole = remesh(extractor_.extract(iso), target_);
+    const Isosurface whole = remesh(extractor_.extract(iso), target_, ctx_);
     print(whole, measure(material_, whole.surface.vertices, range_.far(), ctx_), iso, false);
   }
   finish();

@@ -115,7 +115,7 @@ ThicknessReport measure_thickness(const LayerStack& stack, double d_min, double 
     if (sample.thickness > d_max) report.thick_area += sample.area;
   }
   if (!(report.area > 0)) return report;
-  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
+  parallel_sort(ctx.pool, samples, [](const Sample& a, const Sample& b) {
     return a.thickness != b.thickness ? a.thickness < b.thickness : a.area < b.area;
   });
   report.min = samples.front().thickness;

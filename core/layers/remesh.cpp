@@ -29,8 +29,8 @@ constexpr int previous(int i) {
 
 class Remesher {
  public:
-  Remesher(const Isosurface& raw, const RemeshTarget& target)
-      : raw_(raw), target_(target), tree_(raw.surface) {
+  Remesher(const Isosurface& raw, const RemeshTarget& target, Context& ctx)
+      : raw_(raw), target_(target), ctx_(ctx), tree_(raw.surface) {
     load();
   }
 
@@ -38,11 +38,16 @@ class Remesher {
     const double longest = 4.0 / 3.0 * target_.edge_length,
                  shortest = 4.0 / 5.0 * target_.edge_length;
     for (int iteration = 0; iteration < kIterations; ++iteration) {
+      ctx_.checkpoint();
       collapse_short_edges(shortest, longest);
+      ctx_.checkpoint();
       split_long_edges(longest);
+      ctx_.checkpoint();
       flip_edges();
+      ctx_.checkpoint();
       relax();
     }
+    ctx_.checkpoint();
     collapse_short_edges(0.5 * shortest, longest);
     flip_edges();
     return result();
@@ -85,6 +90,7 @@ class Remesher {
 
   const Isosurface& raw_;
   RemeshTarget target_;
+  Context& ctx_;
   AabbTree tree_;
   std::vector<Vec3> point_;
   std::vector<std::array<Index, 3>> tri_, neighbor_;
@@ -499,9 +505,9 @@ Isosurface Remesher::result() {
 
 }  // namespace
 
-Isosurface remesh(const Isosurface& raw, const RemeshTarget& target) {
+Isosurface remesh(const Isosurface& raw, const RemeshTarget& target, Context& ctx) {
   if (raw.surface.triangles.rows() == 0) return raw;
-  return Remesher(raw, target).run();
+  return Remesher(raw, target, ctx).run();
 }
 
 }  // namespace s3

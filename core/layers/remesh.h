@@ -1,6 +1,7 @@
 // Isotropic remeshing of a layer: marching tets leave slivers, toolpaths need even triangles
 // (Sec. 4.2).
 #pragma once
+#include "base/context.h"
 #include "layers/isosurface.h"
 
 namespace s3 {
@@ -17,6 +18,6 @@ struct RemeshTarget {
 /// the tolerance; the result is manifold (vertices where two sheets touch are doubled), oriented as
 /// `raw`, and no triangle folds over. Normals are interpolated from `raw`, source tets are those of
 /// the nearest raw triangle.
-Isosurface remesh(const Isosurface& raw, const RemeshTarget& target);
+Isosurface remesh(const Isosurface& raw, const RemeshTarget& target, Context& ctx);
 
 }  // namespace s3

@@ -62,13 +62,18 @@ void Multigrid::build(const SparseMatrix& A, const Block& near_nullspace, int bl
     if (static_cast<double>(aggregates.count * vectors.cols()) >
         kStalled * static_cast<double>(rows))
       break;
+    ctx.checkpoint();
     const BlockMatrix<double> tentative =
         tentative_prolongation(aggregates, matrix.block_height, vectors);
     const std::vector<double> inverse_diagonal = inverse_majorant(matrix);
     const BlockMatrix<double> prolongation =
         smoothed_prolongation(matrix, strong, inverse_diagonal, kOmega, tentative);
+    ctx.checkpoint();
     const BlockMatrix<double> restriction = transposed(prolongation);
-    BlockMatrix<double> coarse = product(restriction, product(matrix, prolongation));
+    const BlockMatrix<double> half = product(matrix, prolongation);
+    ctx.checkpoint();
+    BlockMatrix<double> coarse = product(restriction, half);
+    ctx.checkpoint();
 
     Level level;
     level.matrix = to_single(matrix);

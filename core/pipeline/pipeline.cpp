@@ -249,9 +249,9 @@ void Pipeline::write_programs(Context& ctx) {
     ctx.checkpoint();
     if (name == "program.gcode") {
       artifacts_.programs.push_back(
-          {name, write_gcode(artifacts_.curved.waypoints, artifacts_.motion, machine_)});
+          {name, write_gcode(artifacts_.curved.waypoints, artifacts_.motion, machine_, ctx)});
     } else if (name == "authors-waypoints") {
-      const auto texts = write_authors_waypoints(artifacts_.curved.waypoints);
+      const auto texts = write_authors_waypoints(artifacts_.curved.waypoints, ctx);
       for (std::size_t i = 0; i < texts.size(); ++i)
         artifacts_.programs.push_back({name + "/" + std::to_string(i) + ".txt", texts[i]});
     } else {

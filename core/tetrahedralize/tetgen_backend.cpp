@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <mutex>
 #include <new>
@@ -16,11 +18,81 @@
 #include <utility>
 #include <vector>
 
+#include <hooks.h>
 #include <tetgen.h>
 
 #include "mesh/reorder.h"
 
 namespace s3 {
+
+namespace tetgen {
+namespace {
+
+constexpr int kOutOfMemory = 1;
+
+// One run of TetGen. It throws through functions that hold memory (cancelled, or failed): what is
+// left of that is freed here.
+class Run {
+ public:
+  explicit Run(const Context& ctx) : ctx_(ctx) { current() = this; }
+  ~Run() {
+    while (first_.next != &first_) release(first_.next + 1);
+    current() = nullptr;
+  }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  /// The run of this thread.
+  static Run*& current() {
+    thread_local Run* run = nullptr;
+    return run;
+  }
+
+  void* allocate(std::size_t bytes) {
+    auto* block = static_cast<Block*>(std::malloc(sizeof(Block) + bytes));
+    if (block == nullptr) throw kOutOfMemory;
+    *block = {first_.next, &first_};
+    block->next->previous = block->previous->next = block;
+    return block + 1;
+  }
+
+  static void release(void* memory) {
+    Block* const block = static_cast<Block*>(memory) - 1;
+    block->previous->next = block->next;
+    block->next->previous = block->previous;
+    std::free(block);
+  }
+
+  void checkpoint() {
+    constexpr unsigned kCalls = 64;  // some microseconds each
+    if (++calls_ % kCalls == 0) ctx_.checkpoint();
+  }
+
+ private:
+  struct alignas(std::max_align_t) Block {
+    Block *next, *previous;
+  };
+
+  const Context& ctx_;
+  unsigned calls_ = 0;
+  Block first_{&first_, &first_};
+};
+
+}  // namespace
+
+void* allocate(std::size_t bytes) {
+  return Run::current()->allocate(bytes);
+}
+
+void release(void* block) {
+  if (block != nullptr) Run::release(block);
+}
+
+void checkpoint() {
+  Run::current()->checkpoint();
+}
+
+}  // namespace tetgen
 
 namespace {
 
@@ -47,7 +119,6 @@ std::mutex& tetgen_mutex() {
   return mutex;
 }
 
-constexpr int kOutOfMemory = 1;
 constexpr int kTooFlat = -1;  // not TetGen's own: it ended well, but with flat tets
 
 [[noreturn]] void throw_failed(const std::string& message, const std::string& hint) {
@@ -61,7 +132,7 @@ constexpr int kTooFlat = -1;  // not TetGen's own: it ended well, but with flat 
       "program";
   const std::string failed = "The surface cannot be filled with tets: ";
   switch (code) {
-    case kOutOfMemory:
+    case tetgen::kOutOfMemory:
       throw_failed("There is not enough memory for the tet mesh",
                    "Ask for fewer tets with mesh.target_tets");
     case 3:
@@ -245,8 +316,9 @@ bool has_flat_tets(const RawTets& raw) {
   return false;
 }
 
-// @throws int as TetGen does
-RawTets run_tetgen(const TriMesh& surface, double max_volume, bool has_cavities, const Way& way) {
+// @throws int as TetGen does, Cancelled
+RawTets run_tetgen(const TriMesh& surface, double max_volume, bool has_cavities, const Way& way,
+                   const Context& ctx) {
   tetgenio in, out;
   set_surface(surface, in);
   std::array<char, 96> switches{};
@@ -254,6 +326,7 @@ RawTets run_tetgen(const TriMesh& surface, double max_volume, bool has_cavities,
                 way.good_shape ? kShapeSwitches : "", max_volume, has_cavities ? "A" : "");
   {
     const std::lock_guard lock(tetgen_mutex());
+    const tetgen::Run run(ctx);
     ::tetrahedralize(switches.data(), &in, &out);
   }
   if (out.numberoftetrahedra == 0) throw_empty();
@@ -264,15 +337,15 @@ RawTets run_tetgen(const TriMesh& surface, double max_volume, bool has_cavities,
 
 // Tries one way after the other. A way that failed is removed from `ways` for later runs.
 RawTets run_some_way(const TriMesh& surface, double max_volume, bool has_cavities,
-                     std::vector<Way>& ways) {
+                     std::vector<Way>& ways, const Context& ctx) {
   for (;;) {
     try {
-      return run_tetgen(surface, max_volume, has_cavities, ways.front());
+      return run_tetgen(surface, max_volume, has_cavities, ways.front(), ctx);
     } catch (int code) {
-      if (code == kOutOfMemory || ways.size() == 1) throw_failure(code);
+      if (code == tetgen::kOutOfMemory || ways.size() == 1) throw_failure(code);
       ways.erase(ways.begin());
     } catch (const std::bad_alloc&) {
-      throw_failure(kOutOfMemory);
+      throw_failure(tetgen::kOutOfMemory);
     }
   }
 }
@@ -342,7 +415,7 @@ TetMesh fill_with_tetgen(const TriMesh& surface, int target_tets, Context& ctx) 
   double best_miss = std::numeric_limits<double>::infinity();
   double last_inverse = 0, last_count = 0;
   for (int i = 0; i < kMaxRuns; ++i) {
-    RawTets raw = run_some_way(surface, max_volume, has_cavities, ways);
+    RawTets raw = run_some_way(surface, max_volume, has_cavities, ways, ctx);
     ctx.progress(Stage::tetrahedralize, (i + 1.0) / (kMaxRuns + 1.0));
     const auto count = static_cast<double>(raw.tets.rows());
     const double miss = std::abs(std::log(count / target));
@@ -375,8 +448,10 @@ TetMesh fill_with_tetgen(const TriMesh& surface, int target_tets, Context& ctx) 
   else if (count < (1.0 - kCountTolerance) * target)
     ctx.warn("tetrahedralize.fewer_tets", "The mesh has " + std::to_string(best.tets.rows()) +
                                               " tets instead of " + std::to_string(target_tets));
-  TetMesh mesh =
-      reorder_along_morton(make_tet_mesh(std::move(best.vertices), std::move(best.tets)));
+  ctx.checkpoint();
+  TetMesh mesh = make_tet_mesh(std::move(best.vertices), std::move(best.tets));
+  ctx.checkpoint();
+  mesh = reorder_along_morton(mesh);
   ctx.progress(Stage::tetrahedralize, 1.0);
   return mesh;
 }

@@ -15,6 +15,7 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,39 @@ struct Options {
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
+
+/// The longest time between two checkpoints of the thread that made it: with one thread, how late a
+/// cancel could have been answered.
+class LongestWait {
+ public:
+  explicit LongestWait(Context& ctx) : ctx_(ctx) {
+    ctx.on_checkpoint = [this] {
+      if (std::this_thread::get_id() == thread_) note();
+    };
+  }
+  ~LongestWait() { ctx_.on_checkpoint = nullptr; }
+  LongestWait(const LongestWait&) = delete;
+  LongestWait& operator=(const LongestWait&) = delete;
+
+  double seconds() {
+    note();
+    return longest_;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void note() {
+    const auto now = Clock::now();
+    longest_ = std::max(longest_, std::chrono::duration<double>(now - last_).count());
+    last_ = now;
+  }
+
+  Context& ctx_;
+  std::thread::id thread_ = std::this_thread::get_id();
+  Clock::time_point last_ = Clock::now();
+  double longest_ = 0;
+};
 
 double peak_memory_mb() {
   rusage usage{};
@@ -108,7 +142,7 @@ void bench(const std::string& model, int threads, const Options& options) {
   pipeline.set_params(params, bundled_machine(params.machine.machine));
 
   using Clock = std::chrono::steady_clock;
-  const auto print = [&](const std::string& stage, double cpu, double wall) {
+  const auto print = [&](const std::string& stage, double cpu, double wall, double wait) {
     const nlohmann::ordered_json line = {
         {"model", std::filesystem::path(model).filename().string()},
         {"threads", threads},
@@ -116,10 +150,12 @@ void bench(const std::string& model, int threads, const Options& options) {
         {"stage", stage},
         {"cpu_s", cpu},
         {"wall_s", wall},
+        {"longest_wait_s", wait},
         {"peak_memory_mb", peak_memory_mb()}};
     std::printf("%s\n", line.dump().c_str());
     std::fflush(stdout);
   };
+  double longest = 0;
   const double cpu_start = cpu_seconds();
   const auto wall_start = Clock::now();
   const auto wall_since = [](Clock::time_point start) {
@@ -128,11 +164,14 @@ void bench(const std::string& model, int threads, const Options& options) {
   for (const StageRecord& record : pipeline.stages()) {
     const double cpu = cpu_seconds();
     const auto wall = Clock::now();
+    LongestWait wait(ctx);
     pipeline.advance(ctx);
-    print(std::string(stage_name(record.stage)), cpu_seconds() - cpu, wall_since(wall));
+    longest = std::max(longest, wait.seconds());
+    print(std::string(stage_name(record.stage)), cpu_seconds() - cpu, wall_since(wall),
+          wait.seconds());
     if (stage_name(record.stage) == options.until) break;
   }
-  print("total", cpu_seconds() - cpu_start, wall_since(wall_start));
+  print("total", cpu_seconds() - cpu_start, wall_since(wall_start), longest);
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ TEST_CASE("programs of every machine give back the waypoints") {
     CHECK(ctx.warnings.empty());
     // In the middle of the plate although the model is not.
     CHECK(motion.part_offset.x() == doctest::Approx(-40).epsilon(0.001));
-    const Interpreter program(write_gcode(w, motion, machine));
+    const Interpreter program(write_gcode(w, motion, machine, ctx));
     CHECK(program.errors == 0);
     REQUIRE(program.moves.size() == motion.pose.size());
     CHECK(program.filament == doctest::Approx(w.extrusion.sum()).epsilon(1e-6));
@@ -127,7 +127,7 @@ TEST_CASE("the tip's speed on the part is what the waypoints ask for where the a
   Context ctx;
   const Waypoints w = make_print(machine, ctx);
   const MachineMotion motion = plan_motion(w, machine, ctx);
-  const Interpreter program(write_gcode(w, motion, machine));
+  const Interpreter program(write_gcode(w, motion, machine, ctx));
   std::vector<double> seconds(static_cast<std::size_t>(w.size()), 0);
   for (std::size_t m = 0; m < program.moves.size(); ++m)
     seconds[static_cast<std::size_t>(motion.waypoint[m])] += program.moves[m].seconds;
@@ -158,7 +158,7 @@ TEST_CASE("the tip's speed on the part is what the waypoints ask for where the a
 TEST_CASE("the authors' text has y up, normals into the part and a file for each component") {
   Context ctx;
   const Waypoints w = make_print(bundled_machine("cartesian"), ctx);
-  const std::vector<std::string> files = write_authors_waypoints(w);
+  const std::vector<std::string> files = write_authors_waypoints(w, ctx);
   REQUIRE(files.size() == 2);
   Index next = 0;
   const auto skip = [&] {

@@ -284,7 +284,8 @@ TEST_CASE("a remeshed sphere stays on the sphere, closed, with even triangles") 
     distance(v) = (box.vertices.row(v).transpose() - center).norm();
   const ScalarField field = make_scalar_field(box, distance);
   IsosurfaceExtractor extractor(box, field);
-  const Isosurface raw = extractor.extract(5.0), even = remesh(raw, {0.5, 0.02});
+  Context ctx;
+  const Isosurface raw = extractor.extract(5.0), even = remesh(raw, {0.5, 0.02}, ctx);
   const AabbTree tree(raw.surface);
   double deviation = 0, mean_angle = 0;
   for (Eigen::Index f = 0; f < even.surface.triangles.rows(); ++f) {

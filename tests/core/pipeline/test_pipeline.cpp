@@ -394,3 +394,72 @@ TEST_CASE("the same file again makes nothing stale, another name does") {
   CHECK(states(pipeline)[Stage::mesh] == StageState::stale);
   CHECK(s3::stage_files(pipeline, Stage::mesh).empty());
 }
+
+namespace {
+
+/// The leaning block as a surface, held at its foot and pulled at its head: something for every
+/// stage to do.
+s3::Pipeline busy_pipeline() {
+  const auto mesh = s3::test::make_grid(4, 3, 5, {8, 6, 10}, [](const s3::Vec3& p) -> s3::Vec3 {
+    return {p.x() + 1.2 * std::max(0.0, p.z() - 2), p.y(), p.z()};
+  });
+  s3::Params params;
+  params.mesh.target_tets = 1500;
+  params.layers.nozzle_diameter = 2;  // few layers
+  params.objectives.strength = 0.3;
+  params.objectives.surface_quality = 0.3;
+  params.strength.load_case = "block.load.json";
+  s3::Pipeline pipeline;
+  pipeline.set_params(params, machine());
+  pipeline.set_model(bytes_of(s3::write_stl(s3::boundary_surface(mesh))), "block.stl");
+  pipeline.set_load_case(bytes_of(R"({"conditions": [
+      {"region": "plate", "fixed": true},
+      {"region": {"plane": {"point": [0, 0, 10], "normal": [0, 0, 1]}}, "force": [0, 0, 20]}]})"),
+                         "block.load.json");
+  return pipeline;
+}
+
+}  // namespace
+
+TEST_CASE("after cancels at many moments of every stage the results are those without a cancel") {
+  auto calm = busy_pipeline();
+  std::vector<long> checkpoints;
+  {
+    s3::Context ctx;
+    long count = 0;
+    ctx.on_checkpoint = [&] { ++count; };
+    while (calm.advance(ctx)) {
+      checkpoints.push_back(count);
+      count = 0;
+    }
+  }
+  auto disturbed = busy_pipeline();
+  for (std::size_t i = 0; i < checkpoints.size(); ++i) {
+    constexpr long kMoments = 4;
+    for (long moment = 0; moment <= kMoments; ++moment) {
+      const long at = 1 + moment * (checkpoints[i] - 1) / kMoments;  // the first … the last
+      s3::Context ctx;
+      long count = 0;
+      ctx.on_checkpoint = [&] { ctx.cancel_requested = ++count == at; };
+      CHECK_THROWS_AS(disturbed.advance(ctx), s3::Cancelled);
+      CHECK(disturbed.stages()[i].state == StageState::fresh);
+    }
+    s3::Context ctx;
+    disturbed.advance(ctx);
+    REQUIRE(disturbed.stages()[i].state == StageState::done);
+    CHECK(disturbed.stages()[i].warnings.size() == calm.stages()[i].warnings.size());
+  }
+  const s3::Artifacts &a = calm.artifacts(), &b = disturbed.artifacts();
+  CHECK(a.rest.vertices == b.rest.vertices);
+  CHECK(a.rest.tets == b.rest.tets);
+  CHECK(a.stress->stress == b.stress->stress);
+  CHECK(a.deformation.field.value == b.deformation.field.value);
+  CHECK(a.curved.waypoints.position == b.curved.waypoints.position);
+  CHECK(a.planar.waypoints.position == b.planar.waypoints.position);
+  REQUIRE(a.programs.size() == b.programs.size());
+  REQUIRE(!a.programs.empty());
+  for (std::size_t i = 0; i < a.programs.size(); ++i)
+    CHECK(a.programs[i].content == b.programs[i].content);
+  CHECK(*a.curved_metrics.pi_rad == *b.curved_metrics.pi_rad);
+  CHECK(a.curved_metrics.strain->max == b.curved_metrics.strain->max);
+}

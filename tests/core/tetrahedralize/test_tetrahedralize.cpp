@@ -41,6 +41,15 @@ bool is_closed(const TetMesh& mesh) {
   });
 }
 
+// Counts checkpoints and cancels at one of them.
+struct CancelAt {
+  explicit CancelAt(long n) {
+    ctx.on_checkpoint = [this, n] { ctx.cancel_requested = ++count == n; };
+  }
+  Context ctx;
+  long count = 0;
+};
+
 void check_count(const TetMesh& mesh, int target) {
   CHECK(mesh.tet_count() > 0.85 * target);
   CHECK(mesh.tet_count() < 1.15 * target);
@@ -225,5 +234,25 @@ TEST_CASE("a surface with a defect is never given to TetGen") {
   } catch (const Error& error) {
     CHECK(error.code == "tetrahedralize.failed");
     CHECK(std::string(error.what()).find("it crosses itself") != std::string::npos);
+  }
+}
+
+TEST_CASE("TetGen can be cancelled at any moment, and the next run is as if nothing had been") {
+  // A surface that is kept, and one that is split.
+  for (const TriMesh& surface : {sphere(10, 12), cube(20)}) {
+    const TetrahedralizeParams params{.target_tets = 6000, .backend = "tetgen"};
+    CancelAt never(0);
+    const TetMesh whole = tetrahedralize(surface, params, never.ctx).mesh;
+    CHECK(never.count > 200);
+    constexpr int kMoments = 24;
+    for (long i = 1; i < kMoments; ++i) {
+      CancelAt moment(i * never.count / kMoments);
+      CHECK_THROWS_AS(tetrahedralize(surface, params, moment.ctx), Cancelled);
+    }
+    CancelAt last(0);
+    const TetMesh again = tetrahedralize(surface, params, last.ctx).mesh;
+    CHECK(again.vertices == whole.vertices);
+    CHECK(again.tets == whole.tets);
+    CHECK(last.count == never.count);
   }
 }
