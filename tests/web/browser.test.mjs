@@ -256,7 +256,7 @@ test('painted regions say where surface quality counts and what is critical, and
   }
 });
 
-test('a run is cancelled, a killed worker is replaced; model and settings stay', { timeout: 180000 }, async (t) => {
+test('a run is cancelled, a killed worker is replaced; model and settings stay', { timeout: 400000 }, async (t) => {
   const { page, close } = await open();
   try {
     await drop(page, 'ring.stl', ring());
@@ -284,9 +284,9 @@ test('a run is cancelled, a killed worker is replaced; model and settings stay',
     await page.waitForFunction(() => window.s3.app.running?.stage === 'tetrahedralize', null, { timeout: 60000 });
     const worker = page.workers().find((one) => one.url().includes('slicer_worker'));
     void worker.evaluate(() => self.close()).catch(() => {});
-    await page.locator('.message.bad').waitFor({ timeout: 20000 });
+    await page.locator('.message.bad').waitFor({ timeout: 90000 });
     assert.match((await messages(page)).join(), /engine/i);
-    await page.waitForFunction(() => window.s3.app.engine && !window.s3.app.running && window.s3.app.stages[0]?.state === 'done', null, { timeout: 30000 });
+    await page.waitForFunction(() => window.s3.app.engine && !window.s3.app.running && window.s3.app.stages[0]?.state === 'done', null, { timeout: 90000 });
     assert.equal(await page.evaluate(() => window.s3.app.model.file.name), 'ring.stl');
     assert.equal(await page.evaluate(() => window.s3.app.param('mesh.target_tets')), 1500);
     await page.click('#slice');
