@@ -13,6 +13,11 @@ namespace s3 {
 #define S3_NO_THREADS 1
 #endif
 
+#ifdef __EMSCRIPTEN_PTHREADS__
+// Calls the function, and returns false where a trap ended it: wasm/thread_guard.js.
+extern "C" bool s3_survives(void (*function)(void*), void* argument);
+#endif
+
 struct ThreadPool::State {
   int threads = 1;
   std::vector<std::thread> workers;
@@ -24,6 +29,7 @@ struct ThreadPool::State {
   int busy = 0;
   long generation = 0;
   bool stopping = false;
+  bool crashed = false;
   std::exception_ptr failure;
 
   // Takes jobs until none is left; after a failure the remaining jobs are skipped.
@@ -39,6 +45,16 @@ struct ThreadPool::State {
     }
   }
 
+  // False after a trap. WebAssembly cannot catch one, and nobody would tell the waiting caller.
+  bool survives_work() {
+#ifdef __EMSCRIPTEN_PTHREADS__
+    return s3_survives([](void* state) { static_cast<State*>(state)->work(); }, this);
+#else
+    work();
+    return true;
+#endif
+  }
+
   void worker_main() {
     long seen = 0;
     for (;;) {
@@ -48,9 +64,11 @@ struct ThreadPool::State {
         if (stopping) return;
         seen = generation;
       }
-      work();
+      const bool survived = survives_work();
       const std::lock_guard lock(mutex);
-      if (--busy == 0) idle.notify_one();
+      if (!survived) crashed = true;
+      if (--busy == 0 || crashed) idle.notify_one();
+      if (crashed) return;
     }
   }
 };
@@ -96,7 +114,8 @@ void ThreadPool::run(std::size_t jobs, const std::function<void(std::size_t)>& j
   s.wake.notify_all();
   s.work();
   std::unique_lock lock(s.mutex);
-  s.idle.wait(lock, [&] { return s.busy == 0; });
+  s.idle.wait(lock, [&] { return s.busy == 0 || s.crashed; });
+  if (s.crashed) __builtin_trap();  // memory may be damaged: the caller's thread ends, too
   if (s.failure) std::rethrow_exception(s.failure);
 }
 

@@ -1,6 +1,8 @@
 // Everything that goes wrong is a SlicerError that says what, where and what to do.
 import test from 'node:test';
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { fileURLToPath } from 'node:url';
 import { load, SlicerError } from '../../wasm/index.js';
 import { leaningBlock } from './leaning_block.mjs';
 
@@ -162,4 +164,25 @@ test('memory that runs out ends the engine with a sentence about memory', async 
   assert.match(error.message + error.hint, /memory/);
   assert.equal(small.crashed, true);
   small.dispose();
+});
+
+test('a trap in another thread than the calling one ends the engine, too', () => {
+  const program = fileURLToPath(new URL('./trap_in_thread.mjs', import.meta.url));
+  const said = execFileSync(process.execPath, [program], { encoding: 'utf8', timeout: 60000, stdio: ['ignore', 'pipe', 'ignore'] });
+  const error = JSON.parse(said);
+  assert.deepEqual([error.kind, error.code, error.crashed], ['engine', 'engine.crashed', true]);
+});
+
+test('memory that runs out in threads ends the engine with a sentence about memory', async () => {
+  for (const maximum of [1100, 1800, 3000]) {
+    const small = await load({ threads: 3, memory: new WebAssembly.Memory({ initial: 1024, maximum, shared: true }) });
+    const slicer = small.createSlicer();
+    slicer.setModel(leaningBlock([30, 30, 30], [30, 30, 30]), 'block.tet');
+    const error = thrownBy(() => {
+      while (slicer.advance().state === 'running');
+    });
+    assert.deepEqual([error.kind, error.code], ['engine', 'engine.crashed']);
+    assert.match(error.message + error.hint, /memory/);
+    small.dispose();
+  }
 });
