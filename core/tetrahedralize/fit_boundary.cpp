@@ -49,14 +49,13 @@ class Fit {
     choose_corners();
     choose_curve_vertices();
     for (int round = 0; round < kRounds; ++round) {
-      ctx_.checkpoint();
       const bool waiting = pull();
       smooth();
       if (!waiting) break;
     }
     release_those_left();
     for (int sweep = 0; sweep < kFinalSweeps; ++sweep)
-      if (ctx_.checkpoint(); !smooth()) break;
+      if (!smooth()) break;
     even_out();
   }
 
@@ -324,7 +323,9 @@ class Fit {
   // Vertices with poor tets look around for a better place. @return true if one has found it
   bool smooth() {
     bool any = false;
+    constexpr Index kVerticesPerCheckpoint = 1024;
     for (Index v = 0; v < mesh_.vertex_count(); ++v) {
+      if (v % kVerticesPerCheckpoint == 0) ctx_.checkpoint();
       const double now = quality(v);
       if (now < kWantedSine && improve(v, now)) any = true;
     }
