@@ -287,6 +287,17 @@ class Slicer {
   }
 
   /**
+   * Sets or, with null, takes away a file that a parameter names.
+   * @param {'setStress' | 'setLoadCase' | 'setCriticalRegion' | 'setSurfaceRegion'} setter
+   * @param {Uint8Array | null} bytes
+   * @param {string} fileName
+   */
+  #setFile(setter, bytes, fileName) {
+    const name = bytes === null ? '' : asText(fileName, 'The file name');
+    this.#call((native) => native[setter](bytes ?? new Uint8Array(0), name));
+  }
+
+  /**
    * @param {import('./index.d.ts').Bytes} bytes
    * @param {string} fileName
    */
@@ -299,36 +310,28 @@ class Slicer {
    * @param {string} [fileName]
    */
   setStress(bytes, fileName = 'stress.csv') {
-    const array = bytes === null ? new Uint8Array(0) : asBytes(bytes, 'The stress');
-    const name = bytes === null ? '' : asText(fileName, 'The file name');
-    this.#call((native) => native.setStress(array, name));
+    this.#setFile('setStress', bytes === null ? null : asBytes(bytes, 'The stress'), fileName);
   }
   /**
    * @param {import('./index.d.ts').Bytes | string | object | null} loadCase
    * @param {string} [fileName]
    */
   setLoadCase(loadCase, fileName = 'loads.json') {
-    const array = loadCase === null ? new Uint8Array(0) : bytesOfJson(loadCase);
-    const name = loadCase === null ? '' : asText(fileName, 'The file name');
-    this.#call((native) => native.setLoadCase(array, name));
+    this.#setFile('setLoadCase', loadCase === null ? null : bytesOfJson(loadCase), fileName);
   }
   /**
    * @param {import('./index.d.ts').Bytes | string | object | null} region
    * @param {string} [fileName]
    */
   setCriticalRegion(region, fileName = 'critical.json') {
-    const array = region === null ? new Uint8Array(0) : bytesOfJson(region);
-    const name = region === null ? '' : asText(fileName, 'The file name');
-    this.#call((native) => native.setCriticalRegion(array, name));
+    this.#setFile('setCriticalRegion', region === null ? null : bytesOfJson(region), fileName);
   }
   /**
    * @param {import('./index.d.ts').Bytes | string | object | null} region
    * @param {string} [fileName]
    */
   setSurfaceRegion(region, fileName = 'surface.json') {
-    const array = region === null ? new Uint8Array(0) : bytesOfJson(region);
-    const name = region === null ? '' : asText(fileName, 'The file name');
-    this.#call((native) => native.setSurfaceRegion(array, name));
+    this.#setFile('setSurfaceRegion', region === null ? null : bytesOfJson(region), fileName);
   }
   /** @param {import('./index.d.ts').Params} params */
   setParams(params) {
