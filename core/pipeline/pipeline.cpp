@@ -221,9 +221,12 @@ void Pipeline::slice(Context& ctx) {
 }
 
 void Pipeline::make_paths(Context& ctx) {
-  artifacts_.curved.toolpaths =
-      make_toolpaths(artifacts_.curved.layers, followed_stress(), params_.toolpath,
-                     params_.layers.nozzle_diameter, ctx);
+  artifacts_.curved.toolpaths = paths_on(artifacts_.curved.layers, PathFigures::measured, ctx);
+}
+
+Toolpaths Pipeline::paths_on(const LayerStack& layers, PathFigures figures, Context& ctx) const {
+  return make_toolpaths(layers, followed_stress(), params_.toolpath, params_.layers.nozzle_diameter,
+                        ctx, figures);
 }
 
 const StressField* Pipeline::followed_stress() const {
@@ -288,14 +291,18 @@ void Pipeline::evaluate(Context& ctx) {
                        params_.layers.min_thickness, params_.layers.max_thickness);
 }
 
-Print Pipeline::print_planar(Context& ctx) const {
+Print Pipeline::print_planar(Context& ctx, PathFigures figures) const {
   const double height = kPlanarHeight * params_.layers.max_thickness;
   Print print;
   print.layers = make_planar_layers(artifacts_.rest, height, params_.layers, ctx);
-  print.toolpaths = make_toolpaths(print.layers, followed_stress(), params_.toolpath,
-                                   params_.layers.nozzle_diameter, ctx);
+  print.toolpaths = paths_on(print.layers, figures, ctx);
   print.waypoints = make_waypoints(print.layers, print.toolpaths, settings(), ctx);
   return print;
+}
+
+Waypoints Pipeline::curved_waypoints(Context& ctx) const {
+  const LayerStack& layers = artifacts_.curved.layers;
+  return make_waypoints(layers, paths_on(layers, PathFigures::left_out, ctx), settings(), ctx);
 }
 
 namespace {

@@ -12,6 +12,7 @@
 #include "motion/machine_profile.h"
 #include "pipeline/artifacts.h"
 #include "pipeline/params.h"
+#include "toolpaths/make_toolpaths.h"
 
 namespace s3 {
 
@@ -88,7 +89,10 @@ class Pipeline {
   double planar_seconds() const { return planar_seconds_; }
   /// The baseline of the comparison: planar layers of the same mesh, printed with the present
   /// parameters. Needs tets, and the stress where the strength objective is on.
-  Print print_planar(Context& ctx) const;
+  Print print_planar(Context& ctx, PathFigures figures = PathFigures::measured) const;
+  /// The waypoints of the stage of that name, for callers who want no figures of the paths on the
+  /// way. Needs the layers; keeps nothing.
+  Waypoints curved_waypoints(Context& ctx) const;
 
  private:
   void read_model(Context& ctx);
@@ -106,6 +110,7 @@ class Pipeline {
   void plan_moves(Context& ctx);
   void write_programs(Context& ctx);
   void evaluate(Context& ctx);
+  Toolpaths paths_on(const LayerStack& layers, PathFigures figures, Context& ctx) const;
 
   struct Step {
     Stage stage;

@@ -15,6 +15,7 @@ namespace {
 constexpr double kSampleDistance = 1.0;  // of w
 constexpr double kPiece = 0.5;           // of w: paths are searched in pieces of this length
 constexpr double kSearch = 2.0;          // of w: strands farther away are none
+constexpr double kBeside = 0.70710678;   // cosine of the largest angle between strands side by side
 
 struct Piece {
   Vec3 a, along;
@@ -40,20 +41,28 @@ Foot nearest_foot(const Vec3& p, const std::vector<const Piece*>& near) {
   return best;
 }
 
-/// Distance from p to the next strand in a direction; nothing within the search distance.
-std::optional<double> next_strand(const Vec3& p, const Vec3& direction, const Vec3& normal,
+struct Strand {
+  double distance;  // mm, ahead of the sample
+  bool beside;      // runs along the strand that the sample belongs to
+};
+
+/// The next strand in a direction across a tangent; nothing within the search distance.
+std::optional<Strand> next_strand(const Vec3& p, const Vec3& direction, const Vec3& tangent,
                                   const Piece* except, double farthest,
                                   const std::vector<const Piece*>& near) {
-  const Vec3 side = normal.cross(direction);
   double nearest = farthest;
+  const Piece* found = nullptr;
   for (const Piece* piece : near) {
     if (piece == except) continue;
-    const double a = (piece->a - p).dot(side), b = a + piece->along.dot(side);
+    const double a = (piece->a - p).dot(tangent), b = a + piece->along.dot(tangent);
     if ((a > 0) == (b > 0)) continue;
     const double t = a / (a - b), ahead = (piece->a + t * piece->along - p).dot(direction);
-    if (ahead > 0) nearest = std::min(nearest, ahead);
+    if (ahead <= 0 || ahead >= nearest) continue;
+    nearest = ahead;
+    found = piece;
   }
-  return nearest < farthest ? std::optional(nearest) : std::nullopt;
+  if (!found) return std::nullopt;
+  return Strand{nearest, std::abs(found->along.dot(tangent)) >= kBeside * found->along.norm()};
 }
 
 class Pieces {
@@ -100,11 +109,12 @@ void add_sample(const Vec3& p, const Vec3& normal, const Vec3* tau, double area,
     result.deviation.add(std::acos(std::min(1.0, std::abs(tangent.dot(*tau)))) / (0.5 * kPi), area);
   const Vec3 across = normal.cross(tangent);
   const double offset = (p - foot.point).dot(across);
-  const auto next = next_strand(p, offset < 0 ? Vec3(-across) : across, normal, foot.piece,
+  const auto next = next_strand(p, offset < 0 ? Vec3(-across) : across, tangent, foot.piece,
                                 kSearch * width, near);
-  // Within a turn there is no strand across.
-  if (!next && foot.squared <= 0.25 * width * width) return;
-  const double spacing = next ? std::abs(offset) + *next : kSearch * width;
+  const bool beside = next && next->beside;
+  // Within a turn, and where a line runs into a wall, there is no strand across.
+  if (!beside && foot.squared <= 0.25 * width * width) return;
+  const double spacing = beside ? std::abs(offset) + next->distance : kSearch * width;
   result.spacing.add(spacing / (kSearch * width), area);
 }
 

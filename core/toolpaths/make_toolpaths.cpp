@@ -38,14 +38,27 @@ Coverage measure(const Layer& layer, const ContourPlan& plan, const std::vector<
   return measure_coverage(mesh, distance, discs, paths, width, kLeastBeadWidth * width, ctx);
 }
 
+void measure_paths(const Layer& layer, const ContourPlan& plan, const LayerStress* followed,
+                   double width, LayerPaths& measured, const Context& ctx) {
+  std::vector<Path> paths;
+  paths.reserve(plan.paths.size());
+  for (const PlannedPath& p : plan.paths) paths.push_back(p.path);
+  if (followed) measured.lines = measure_lines(mesh_of(layer), *followed, paths, width, ctx);
+  const Coverage coverage = measure(layer, plan, paths, width, ctx);
+  measured.area = coverage.area;
+  measured.covered_area = coverage.covered;
+  measured.overlap_area = coverage.overlap;
+  measured.wide_area = coverage.wide;
+  measured.unfilled_thin_area = coverage.thin;
+}
+
 /// @param stress  null for a contour-parallel layer
 PlannedLayer plan_layer(const Layer& layer, const StressField* stress, double width, int walls,
-                        const Context& ctx) {
+                        PathFigures figures, const Context& ctx) {
   PlannedLayer result;
   ContourPlan plan = plan_contours(mesh_of(layer), width, ctx);
-  LayerPaths& measured = result.measured;
   if (plan.work.boundary.size() == 0) {
-    measured.area = measured.unfilled_thin_area = surface_area(layer.surface);
+    result.measured.area = result.measured.unfilled_thin_area = surface_area(layer.surface);
     return result;
   }
   LayerStress projected;
@@ -53,16 +66,8 @@ PlannedLayer plan_layer(const Layer& layer, const StressField* stress, double wi
   const bool hybrid = stress && critical_share(layer, projected) >= kLeastCritical;
   if (hybrid) fill_with_lines(projected, width, walls, plan, ctx);
   fill_holes(plan.work, plan.field.coordinate, plan.axis, width, plan.paths);
-  std::vector<Path> paths;
-  paths.reserve(plan.paths.size());
-  for (const PlannedPath& p : plan.paths) paths.push_back(p.path);
-  if (hybrid) measured.lines = measure_lines(mesh_of(layer), projected, paths, width, ctx);
-  const Coverage coverage = measure(layer, plan, paths, width, ctx);
-  measured.area = coverage.area;
-  measured.covered_area = coverage.covered;
-  measured.overlap_area = coverage.overlap;
-  measured.wide_area = coverage.wide;
-  measured.unfilled_thin_area = coverage.thin;
+  if (figures == PathFigures::measured)
+    measure_paths(layer, plan, hybrid ? &projected : nullptr, width, result.measured, ctx);
   result.tree = nest_paths(plan.work, plan.field.coordinate, std::move(plan.paths));
   return result;
 }
@@ -108,16 +113,17 @@ Toolpaths order_stack(const LayerStack& stack, std::vector<PlannedLayer> planned
 }  // namespace
 
 LayerPaths contour_parallel(const Layer& layer, double width, const Context& ctx) {
-  return order_alone(layer, plan_layer(layer, nullptr, width, 1, ctx));
+  return order_alone(layer, plan_layer(layer, nullptr, width, 1, PathFigures::measured, ctx));
 }
 
 LayerPaths hybrid_parallel(const Layer& layer, const StressField& stress, double width, int walls,
                            const Context& ctx) {
-  return order_alone(layer, plan_layer(layer, &stress, width, walls, ctx));
+  return order_alone(layer, plan_layer(layer, &stress, width, walls, PathFigures::measured, ctx));
 }
 
 Toolpaths make_toolpaths(const LayerStack& stack, const StressField* stress,
-                         const ToolpathParams& params, double nozzle_diameter, Context& ctx) {
+                         const ToolpathParams& params, double nozzle_diameter, Context& ctx,
+                         PathFigures figures) {
   const double width = params.width > 0 ? params.width : nozzle_diameter;
   if (!(width > 0) || !std::isfinite(width))
     throw Error(ErrorKind::input, Stage::toolpaths, "toolpaths.bad_width",
@@ -132,7 +138,7 @@ Toolpaths make_toolpaths(const LayerStack& stack, const StressField* stress,
     const std::size_t end = std::min(n, begin + kBlock);
     parallel_for(ctx.pool, end - begin, 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = begin + first; i < begin + last; ++i)
-        planned[i] = plan_layer(stack.layers[i], followed, width, params.walls, ctx);
+        planned[i] = plan_layer(stack.layers[i], followed, width, params.walls, figures, ctx);
     });
     ctx.progress(Stage::toolpaths, static_cast<double>(end) / static_cast<double>(n));
   }

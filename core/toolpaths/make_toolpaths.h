@@ -65,13 +65,18 @@ LayerPaths contour_parallel(const Layer& layer, double width, const Context& ctx
 LayerPaths hybrid_parallel(const Layer& layer, const StressField& stress, double width, int walls,
                            const Context& ctx);
 
+/// Whether paths come with what is measured on them: areas, coverage, lines. That takes about a
+/// third of the time.
+enum class PathFigures { measured, left_out };
+
 /// Paths of every component, walls from outside to inside, each closed path starting near the end
 /// of the one before and the outermost near the start of the layer below (one seam).
 /// Warns "toolpaths.thin_area" where more than 0.2 % of the area is too thin for a bead, or has no
-/// boundary to start from.
+/// boundary to start from; that is measured, too.
 /// @param stress  on the tets that the layers were cut from; null: every layer is contour-parallel
 /// @throws Error "toolpaths.bad_width" unless the width is positive and finite
 Toolpaths make_toolpaths(const LayerStack& stack, const StressField* stress,
-                         const ToolpathParams& params, double nozzle_diameter, Context& ctx);
+                         const ToolpathParams& params, double nozzle_diameter, Context& ctx,
+                         PathFigures figures = PathFigures::measured);
 
 }  // namespace s3

@@ -106,7 +106,9 @@ class Sweep {
       const ScalarField height = make_scalar_field(a.rest, a.rest.vertices.col(2));
       measure_field(height, a.rest.vertices, table_.planar);
       table_.planar.pi_rad.reset();
-      if (with_strain_) table_.planar.strain = strain_of(pipeline_.print_planar(ctx_).waypoints);
+      if (with_strain_)
+        table_.planar.strain =
+            strain_of(pipeline_.print_planar(ctx_, PathFigures::left_out).waypoints);
     });
     table_.planar_cpu_seconds = clock.seconds();
   }
@@ -115,6 +117,7 @@ class Sweep {
   SweepRow row_of(const WeightTriple& triple) {
     const CpuClock clock;
     SweepRow row{triple, {}, {}, 0, {}};
+    std::vector<Warning> of_print;
     row.error = reason_of_failure([&] {
       triple.set(params_.objectives);
       pipeline_.set_params(params_, pipeline_.machine());
@@ -122,12 +125,15 @@ class Sweep {
       const DeformResult& result = pipeline_.artifacts().deformation;
       measure_field(result.field, result.deformed, row.metrics);
       if (!with_strain_) return;
-      pipeline_.run_to(Stage::waypoints, ctx_);
-      row.metrics.strain = strain_of(pipeline_.artifacts().curved.waypoints);
+      pipeline_.run_to(Stage::layers, ctx_);
+      ctx_.warnings.clear();
+      row.metrics.strain = strain_of(pipeline_.curved_waypoints(ctx_));
+      of_print = std::move(ctx_.warnings);
     });
     for (const StageRecord& record : pipeline_.stages())
       if (record.stage > Stage::objectives && record.state == StageState::done)
         row.warnings.insert(row.warnings.end(), record.warnings.begin(), record.warnings.end());
+    row.warnings.insert(row.warnings.end(), of_print.begin(), of_print.end());
     row.cpu_seconds = clock.seconds();
     return row;
   }
