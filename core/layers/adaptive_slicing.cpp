@@ -13,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "layers/bead_height.h"
 #include "layers/isosurface.h"
 #include "layers/layer_distance.h"
 #include "layers/layer_parts.h"
@@ -90,6 +91,7 @@ class Slicer {
   Slicer(const TetMesh& rest, const ScalarField& field, const LayerParams& params, Context& ctx)
       : ctx_(ctx),
         extractor_(rest, field),
+        part_(rest.vertices, rest.boundary_faces),
         size_(size_of(bounding_box(rest.vertices))),
         d_min_(params.d_min()),
         d_max_(params.d_max()),
@@ -127,6 +129,7 @@ class Slicer {
 
   Context& ctx_;
   IsosurfaceExtractor extractor_;
+  AabbTree part_;  // the part's surface
   PrintedMaterial material_;
   LayerStack stack_;
   RemeshTarget target_;
@@ -325,6 +328,8 @@ Values Slicer::keep_value(const Isosurface& surface, const Values& thickness) co
 
 // Adds the components of a surface to the stack and to the material.
 void Slicer::print(const Isosurface& whole, const Measured& distance, double iso, bool partial) {
+  const Values height =
+      bead_heights(material_, part_, whole.surface, whole.normal, d_min_, d_max_, ctx_);
   std::vector<Layer> printed;
   for (SurfacePart& part : split_components(whole)) {
     Layer layer;
@@ -335,6 +340,7 @@ void Slicer::print(const Isosurface& whole, const Measured& distance, double iso
     layer.layer = stack_.isosurfaces;
     layer.partial = partial;
     layer.thickness.resize(static_cast<Eigen::Index>(part.vertices.size()));
+    layer.bead_height = height(part.vertices);
     for (std::size_t v = 0; v < part.vertices.size(); ++v) {
       const double thickness = distance.thickness(part.vertices[v]);
       layer.thickness(static_cast<Eigen::Index>(v)) = thickness;

@@ -11,9 +11,10 @@ namespace s3 {
 /// One connected component of a layer: what is printed without leaving the surface. Triangles are
 /// counter-clockwise seen from the nozzle, i.e. their normals agree with ∇G.
 struct Layer {
-  TriMesh surface;                // remeshed isosurface, mm
-  Directions normal;              // #V×3, from ∇G, smooth: the nozzle stands against it
-  Values thickness;               // #V mm: distance to the material below (or the plate)
+  TriMesh surface;     // remeshed isosurface, mm
+  Directions normal;   // #V×3, from ∇G, smooth: the nozzle stands against it
+  Values thickness;    // #V mm: distance to the material below (or the plate)
+  Values bead_height;  // #V mm: of the part down to the material, along −n (bead_height.h)
   std::vector<Index> source_tet;  // #F: a tet that the triangle lies in
   double iso_value = 0;           // of G, mm
   Index layer = 0;                // number of the isosurface, ascending with iso_value

@@ -15,6 +15,14 @@ double box_distance(const Box& box, const Vec3& p) {
   return (box.min - p).cwiseMax(p - box.max).cwiseMax(0.0).norm();
 }
 
+Box segment_box(const Vec3& a, const Vec3& b) {
+  return {a.cwiseMin(b), a.cwiseMax(b)};
+}
+
+bool boxes_meet(const Box& a, const Box& b) {
+  return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
+}
+
 struct Sample {
   double thickness, area;
 };
@@ -73,6 +81,23 @@ PrintedMaterial::Nearest PrintedMaterial::nearest(const Vec3& p, double bound) c
         best.on_rim = false;
   }
   return best;
+}
+
+double PrintedMaterial::along(const Vec3& p, const Vec3& direction, double reach) const {
+  double way = reach;
+  if (direction.z() < 0) way = std::clamp(-p.z() / direction.z(), 0.0, reach);
+  Box box = segment_box(p, p + way * direction);
+  for (std::size_t group = group_boxes_.size(); group-- > 0;) {
+    if (!boxes_meet(group_boxes_[group], box)) continue;
+    for (std::size_t k = std::min(parts_.size(), (group + 1) * kGroup); k-- > group * kGroup;) {
+      if (!boxes_meet(parts_[k].box, box)) continue;
+      const RayHit hit = parts_[k].tree.first_hit(p, direction, way);
+      if (hit.triangle < 0 || hit.t >= way) continue;
+      way = hit.t;
+      box = segment_box(p, p + way * direction);
+    }
+  }
+  return way;
 }
 
 ThicknessReport measure_thickness(const LayerStack& stack, double d_min, double d_max,

@@ -27,6 +27,10 @@ class PrintedMaterial {
   /// The nearest material; {bound, kPlate} when nothing is nearer than `bound`.
   Nearest nearest(const Vec3& p, double bound) const;
 
+  /// The way from p along a unit direction to the first material; `reach` where there is none
+  /// within.
+  double along(const Vec3& p, const Vec3& direction, double reach) const;
+
  private:
   struct Part {
     AabbTree tree;

@@ -21,7 +21,7 @@ struct PlannedLayer {
 };
 
 LayerMesh mesh_of(const Layer& layer) {
-  return {layer.surface.vertices, layer.normal, layer.thickness, layer.surface.triangles};
+  return {layer.surface.vertices, layer.normal, layer.bead_height, layer.surface.triangles};
 }
 
 /// Measured on the layer as it came: its vertices are the first of the refined ones. Together with

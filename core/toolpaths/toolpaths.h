@@ -17,7 +17,7 @@ const char* path_kind_name(PathKind kind);
 struct Path {
   Points points;  // #P×3 mm on the layer's surface; a closed path does not repeat its first point
   Directions normals;  // #P×3 unit, from the layer
-  Values thickness;    // #P mm: distance to the material below
+  Values thickness;    // #P mm: the bead's height
   Values width;        // #P mm: bead width
   bool closed = false;
   PathKind kind = PathKind::wall;

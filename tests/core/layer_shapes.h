@@ -103,6 +103,7 @@ inline Layer make_shape(const std::function<double(double, double)>& inside, dou
   layer.normal.resize(count, 3);
   layer.normal.rowwise() = Eigen::RowVector3d(0, 0, 1);
   layer.thickness.setConstant(count, thickness);
+  layer.bead_height = layer.thickness;
   layer.source_tet.assign(faces.size(), 0);
   return layer;
 }
@@ -140,6 +141,7 @@ inline Layer make_rectangle(double a, double b, double h, double thickness = 0.5
   layer.normal.resize(n, 3);
   layer.normal.rowwise() = Eigen::RowVector3d(0, 0, 1);
   layer.thickness.setConstant(n, thickness);
+  layer.bead_height = layer.thickness;
   layer.source_tet.assign(static_cast<std::size_t>(layer.surface.triangles.rows()), 0);
   return layer;
 }

@@ -161,6 +161,7 @@ TEST_CASE("paths scale with the layer") {
   Layer small = make_lobes(0.7), large = make_lobes(0.7);
   large.surface.vertices *= 10;
   large.thickness *= 10;
+  large.bead_height *= 10;
   const LayerPaths a = contour_parallel(small, 1.0, ctx), b = contour_parallel(large, 10.0, ctx);
   REQUIRE(a.paths.size() == b.paths.size());
   CHECK(b.covered_area == doctest::Approx(100 * a.covered_area).epsilon(0.002));

@@ -19,6 +19,7 @@ LayerStack make_stack(const Layer& shape, int layers, double thickness) {
     Layer layer = shape;
     layer.surface.vertices.col(2).array() += (i + 1) * thickness;
     layer.thickness.setConstant(thickness);
+    layer.bead_height = layer.thickness;
     layer.layer = i;
     stack.layers.push_back(std::move(layer));
   }
