@@ -8,6 +8,7 @@
 
 #include "base/units.h"
 #include "toolpaths/direction_field.h"
+#include "toolpaths/even_lines.h"
 #include "toolpaths/join_stripes.h"
 #include "toolpaths/simplify.h"
 #include "toolpaths/stripe_pattern.h"
@@ -217,7 +218,7 @@ class LineCutter {
 
   bool is_inside(Index triangle, const Vec3& point, const Vec3& way) const {
     constexpr double kAlong = 0.2, kAcross = 0.45;  // of w from the walls' inner edge
-    constexpr double kSteep = 0.5;                  // sine of the angle to the wall
+    constexpr double kSteep = 0.7;                  // sine of the angle to the wall
     const BoundaryHit hit = nearest_boundary(triangle, point);
     const double length = way.norm();
     const double sine = length > 0 ? std::abs(way.dot(hit.away)) / length : 0;
@@ -309,6 +310,7 @@ void fill_with_lines(const LayerStress& stress, double width, int walls, Contour
   const StripePattern pattern = stripe_pattern(mesh, field, anchors, width, ctx);
   const LineCutter cutter(plan.work, mesh, area_of_triangle, width, walls);
   for (const StripeLine& line : trace_stripes(mesh, pattern)) cutter.cut(line, lines);
+  even_out(plan.paths, width, lines);
   // Area by area: what is printed next is what lies inside of the walls just laid.
   for (std::size_t area = 0; area < lines.size(); ++area)
     for (Path& path : join_stripes(lines[area], fences[area], width)) {

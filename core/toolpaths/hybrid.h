@@ -7,7 +7,8 @@
 
 namespace s3 {
 
-/// Replaces the contours inside of the outermost `walls` by evenly spaced lines along the stress.
+/// Replaces the contours inside of the outermost `walls` by evenly spaced lines along the stress:
+/// stripes of one spacing, moved across where walls and ends of lines leave it uneven.
 /// Where a layer is too narrow for lines between the walls, its contours stay.
 /// @param width  w, mm
 /// @param walls  ≥ 1
