@@ -1,5 +1,6 @@
 // Each sweep moves all points of all lines at once, by half of what would even out the two gaps
 // beside it, and smooths the move along the line. Who lies beside whom is found once, at the start.
+// In the end each bead becomes as wide as its gaps ask for.
 #include "toolpaths/even_lines.h"
 
 #include <algorithm>
@@ -16,6 +17,7 @@ constexpr double kStep = 0.5;
 constexpr double kSmooth = 0.6;     // of w: the move is a mean over this length to both sides
 constexpr double kMost = 0.4;       // of w
 constexpr double kFarthest = 0.7;   // of w: gaps that differ more from w do not pull
+constexpr double kWider = 0.15;     // of w: a bead's width differs from w by at most this
 constexpr double kPiece = 0.5;      // of w: strands are searched in pieces of this length
 constexpr double kBeside = 0.7071;  // cosine of the largest angle between strands side by side
 constexpr double kSteep = 0.5;      // rise of the way to a strand beside: more is another place
@@ -68,14 +70,22 @@ class Evener {
       const double pulled = shift_(row) + kStep * (pull(row, 0) - pull(row, 1));
       next(row) = std::clamp(pulled, -kMost * width_, kMost * width_);
     }
-    for (const Line& line : lines_) smooth(line, next);
+    shift_ = smoothed(next);
   }
 
-  void move() const {
-    for (const Line& line : lines_)
-      for (Eigen::Index i = 0; i < line.path->points.rows(); ++i)
+  void finish() const {
+    Values width(shift_.size());
+    for (Eigen::Index i = 0; i < width.size(); ++i)
+      width(i) = width_ +
+                 std::clamp(0.5 * (excess(i, 0) + excess(i, 1)), -kWider * width_, kWider * width_);
+    width = smoothed(width);
+    for (const Line& line : lines_) {
+      const Eigen::Index n = line.path->points.rows();
+      for (Eigen::Index i = 0; i < n; ++i)
         move(nodes_[static_cast<std::size_t>(line.first + i)], shift_(line.first + i), *line.path,
              i);
+      line.path->width = width.segment(line.first, n);
+    }
   }
 
  private:
@@ -163,21 +173,31 @@ class Evener {
     return result;
   }
 
-  /// How far a gap pulls its node over, mm: its excess over w, fading where that is large.
-  double pull(Eigen::Index i, std::size_t side) const {
+  /// By how much the gap on one side is wider than w, mm; 0 without a strand.
+  double excess(Eigen::Index i, std::size_t side) const {
     const Beside& b = nodes_[static_cast<std::size_t>(i)].beside[side];
     if (b.gap == 0) return 0;
     const double there =
         b.first < 0 ? 0
                     : b.turn * ((1 - b.fraction) * shift_(b.first) + b.fraction * shift_(b.last));
-    const double gap = b.gap + (side == 0 ? 1 : -1) * (there - shift_(i));
-    const double excess = (gap / width_ - 1) / kFarthest;
-    const double fade = std::max(0.0, 1 - excess * excess);
-    return (gap - width_) * fade * fade;
+    return b.gap + (side == 0 ? 1 : -1) * (there - shift_(i)) - width_;
   }
 
-  /// Means along a line, weighted by its length and falling with the distance.
-  void smooth(const Line& line, const Values& next) {
+  /// How far a gap pulls its node over, mm: less than its excess where that is large.
+  double pull(Eigen::Index i, std::size_t side) const {
+    const double excess_here = excess(i, side), share = excess_here / (kFarthest * width_);
+    const double fade = std::max(0.0, 1 - share * share);
+    return excess_here * fade * fade;
+  }
+
+  /// Means along the lines, weighted by their length and falling with the distance.
+  Values smoothed(const Values& values) const {
+    Values result(values.size());
+    for (const Line& line : lines_) smooth(line, values, result);
+    return result;
+  }
+
+  void smooth(const Line& line, const Values& values, Values& result) const {
     const double reach = kSmooth * width_;
     const Points& points = line.path->points;
     const Eigen::Index n = points.rows();
@@ -187,7 +207,7 @@ class Evener {
         const Eigen::Index node = line.first + k;
         const double w = nodes_[static_cast<std::size_t>(node)].length * (1 - distance / reach);
         weight += w;
-        sum += w * next(node);
+        sum += w * values(node);
       };
       add(i, 0);
       for (const Eigen::Index way : {1, -1}) {
@@ -200,7 +220,7 @@ class Evener {
           add(k, distance);
         }
       }
-      shift_(line.first + i) = weight > 0 ? sum / weight : next(line.first + i);
+      result(line.first + i) = weight > 0 ? sum / weight : values(line.first + i);
     }
   }
 
@@ -229,7 +249,7 @@ void even_out(const std::vector<PlannedPath>& fixed, double width,
               std::vector<std::vector<Path>>& lines) {
   Evener evener(fixed, width, lines);
   for (int k = 0; k < kSweeps; ++k) evener.sweep();
-  evener.move();
+  evener.finish();
 }
 
 }  // namespace s3

@@ -60,6 +60,7 @@ TEST_CASE("what is left over between lines and walls is shared among them") {
       const double y = path->points(20, 1);
       CHECK(y - before == doctest::Approx(1 + excess / 4).epsilon(0.08));
       CHECK((path->points.col(1).array() - y).abs().maxCoeff() < 1e-9);
+      CHECK((path->width.array() - 1 - excess / 4).abs().maxCoeff() < 0.06);
       before = y;
     }
     CHECK(4 + excess - before == doctest::Approx(1 + excess / 4).epsilon(0.08));
@@ -72,8 +73,10 @@ TEST_CASE("even lines, lines alone, and gaps of nearly two beads stay as they ar
   std::vector<std::vector<Path>> lines = before;
   even_out(walls_at({0, 3.75}), 1.0, lines);
   for (std::size_t area = 0; area < before.size(); ++area)
-    for (std::size_t i = 0; i < before[area].size(); ++i)
+    for (std::size_t i = 0; i < before[area].size(); ++i) {
       CHECK((lines[area][i].points - before[area][i].points).cwiseAbs().maxCoeff() < 1e-12);
+      CHECK((lines[area][i].width - before[area][i].width).cwiseAbs().maxCoeff() < 1e-12);
+    }
   std::vector<std::vector<Path>> none;
   even_out({}, 1.0, none);
   CHECK(none.empty());
