@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -343,24 +344,14 @@ class Slicer {
     });
   }
   val set_critical_region(const val& array, const std::string& name) {
-    return guarded([&] {
-      const auto file = bytes_of(array);
-      if (!file.empty()) read_region_file(file, name, Stage::fea);
-      Params params = given_;
-      params.strength.critical_region = name;
-      pipeline_.set_critical_region(file, name);
-      apply(params);
-    });
+    return set_region(
+        array, name, Stage::fea, &Pipeline::set_critical_region,
+        [](Params& params) -> std::string& { return params.strength.critical_region; });
   }
   val set_surface_region(const val& array, const std::string& name) {
-    return guarded([&] {
-      const auto file = bytes_of(array);
-      if (!file.empty()) read_region_file(file, name, Stage::objectives);
-      Params params = given_;
-      params.objectives.surface_region = name;
-      pipeline_.set_surface_region(file, name);
-      apply(params);
-    });
+    return set_region(
+        array, name, Stage::objectives, &Pipeline::set_surface_region,
+        [](Params& params) -> std::string& { return params.objectives.surface_region; });
   }
   val set_params(const std::string& json, bool from_defaults) {
     return guarded([&] {
@@ -683,6 +674,19 @@ class Slicer {
     defaults.objectives.surface_region = params.objectives.surface_region;
     return defaults;
   }
+  val set_region(const val& array, const std::string& name, Stage stage,
+                 void (Pipeline::*give)(std::span<const std::byte>, std::string),
+                 std::string& (*name_in)(Params&)) {
+    return guarded([&] {
+      const auto file = bytes_of(array);
+      if (!file.empty()) read_region_file(file, name, stage);  // a fault in it is better said now
+      Params params = given_;
+      name_in(params) = name;
+      (pipeline_.*give)(file, name);
+      apply(params);
+    });
+  }
+
   /// Keeps the parameters once the pipeline has taken them.
   void apply(const Params& params) {
     pipeline_.set_params(params, machine(params.machine.machine));

@@ -7,9 +7,9 @@ import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { availableParallelism, tmpdir } from 'node:os';
 import { basename, dirname, join } from 'node:path';
-import { Worker } from 'node:worker_threads';
 import { fileURLToPath } from 'node:url';
 import { load } from '../../wasm/index.js';
+import { canceller } from '../wasm/canceller.mjs';
 
 const root = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
 const [model, ...rest] = process.argv.slice(2);
@@ -58,34 +58,26 @@ async function longestWaits(engine, stages) {
   const slicer = engine.createSlicer();
   slicer.setModel(readFileSync(model), basename(model));
   slicer.setParams(params);
-  const noted = new Float64Array(new SharedArrayBuffer(8));
-  const source = `const { flag, noted } = require('node:worker_threads').workerData;
-    require('node:worker_threads').parentPort.on('message', (delay) => setTimeout(() => {
-      noted[0] = Date.now();
-      Atomics.store(flag, 0, 1);
-    }, delay));`;
-  const worker = new Worker(source, { eval: true, workerData: { flag: slicer.cancelFlag, noted } });
-  await new Promise((resolve) => worker.once('online', resolve));
+  const cancel = await canceller(slicer.cancelFlag);
   const waits = {};
   for (const { stage, seconds } of stages) {
     waits[stage] = 0;
     let done = false;
     for (let k = 0; k < cancels && !done; ++k) {
-      noted[0] = 0;
-      worker.postMessage((1000 * seconds * (k + 0.5)) / cancels);
+      cancel.in((1000 * seconds * (k + 0.5)) / cancels);
       try {
         slicer.advance();
         done = true;
       } catch (error) {
         if (error.kind !== 'cancelled') throw error;
-        waits[stage] = Math.max(waits[stage], (Date.now() - noted[0]) / 1000);
+        waits[stage] = Math.max(waits[stage], cancel.since() / 1000);
       }
     }
-    while (done && noted[0] === 0) await new Promise((resolve) => setTimeout(resolve, 5)); // the last one came too late
+    while (done && cancel.since() === null) await new Promise((resolve) => setTimeout(resolve, 5)); // the last one came too late
     slicer.clearCancel();
     if (!done) slicer.advance();
   }
-  await worker.terminate();
+  await cancel.end();
   slicer.dispose();
   return waits;
 }

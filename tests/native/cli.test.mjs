@@ -1,43 +1,14 @@
 // s3slice end to end, as a person uses it: files in, files out, exit codes and messages.
 // Needs the native build: the folder of the programs in S3_BUILD, or build/native.
 import assert from "node:assert/strict";
-import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { spawn } from "node:child_process";
+import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import path from "node:path";
-import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
+import { test } from "node:test";
+import { assertInputError, root, runnerIn, s3slice, testFolder } from "./program.mjs";
 
-const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const s3slice = path.join(process.env.S3_BUILD ?? path.join(root, "build/native"), "s3slice");
-
-let folder;
-before(() => {
-  assert.ok(existsSync(s3slice), `${s3slice} is missing: build the native programs first`);
-  folder = mkdtempSync(path.join(tmpdir(), "s3slice-test-"));
-});
-after(() => rmSync(folder, { recursive: true, force: true }));
-
-function run(...args) {
-  const result = spawnSync(s3slice, args, { cwd: folder, encoding: "utf8", timeout: 300000 });
-  assert.equal(result.error, undefined);
-  return result;
-}
-
-function runWell(...args) {
-  const result = run(...args);
-  assert.equal(result.status, 0, result.stderr);
-  return result;
-}
-
-/** One line that begins with the program's name, and the exit code of wrong input. */
-function assertInputError(result, ...parts) {
-  assert.equal(result.status, 2, result.stderr);
-  const lines = result.stderr.trimEnd().split("\n");
-  assert.equal(lines.length, 1, result.stderr);
-  assert.match(lines[0], /^s3slice: /);
-  for (const part of parts) assert.ok(lines[0].includes(part), `"${part}" is not in: ${lines[0]}`);
-}
+const folder = testFolder("cli");
+const { run, runWell } = runnerIn(folder);
 
 /** A grid of tets over a box; above z = 2 it leans over by 50°. Six tets a cell. */
 function leaningBlock(nx = 4, ny = 3, nz = 5) {

@@ -2,22 +2,13 @@
 // Needs the native build: the folder of the programs in S3_BUILD, or build/native.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
-import { after, before, describe, test } from "node:test";
-import { fileURLToPath } from "node:url";
+import { describe, test } from "node:test";
 import { defectiveFiles } from "./defects.mjs";
+import { s3slice, testFolder } from "./program.mjs";
 
-const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const s3slice = path.join(process.env.S3_BUILD ?? path.join(root, "build/native"), "s3slice");
-
-let folder;
-before(() => {
-  assert.ok(existsSync(s3slice), `${s3slice} is missing: build the native programs first`);
-  folder = mkdtempSync(path.join(tmpdir(), "s3slice-defects-"));
-});
-after(() => rmSync(folder, { recursive: true, force: true }));
+const folder = testFolder("defects");
 
 /** @returns {Promise<{status: number|null, signal: string|null, stderr: string}>} */
 function run(args) {

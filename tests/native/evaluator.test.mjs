@@ -2,20 +2,14 @@
 // always; the paper's models, against the figures that the project promises, where S3_SHARED names their folder.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { existsSync, rmSync } from "node:fs";
 import path from "node:path";
-import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
+import { test } from "node:test";
 import { evaluate } from "./evaluator.mjs";
 import { jobs, paperModels, runFlags } from "../bench/paper_jobs.mjs";
+import { root, s3slice, testFolder } from "./program.mjs";
 
-const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const s3slice = path.join(process.env.S3_BUILD ?? path.join(root, "build/native"), "s3slice");
-
-let folder;
-before(() => { folder = mkdtempSync(path.join(tmpdir(), "s3slice-evaluator-")); });
-after(() => rmSync(folder, { recursive: true, force: true }));
+const folder = testFolder("evaluator");
 
 function slice(name, model, ...flags) {
   const outdir = path.join(folder, name);

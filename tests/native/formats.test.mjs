@@ -2,22 +2,13 @@
 // Needs the native build: the folder of the programs in S3_BUILD, or build/native.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { writeFileSync } from "node:fs";
 import path from "node:path";
-import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
+import { test } from "node:test";
 import { deflateRawSync, gzipSync } from "node:zlib";
+import { s3slice, testFolder } from "./program.mjs";
 
-const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const s3slice = path.join(process.env.S3_BUILD ?? path.join(root, "build/native"), "s3slice");
-
-let folder;
-before(() => {
-  assert.ok(existsSync(s3slice), `${s3slice} is missing: build the native programs first`);
-  folder = mkdtempSync(path.join(tmpdir(), "s3slice-formats-"));
-});
-after(() => rmSync(folder, { recursive: true, force: true }));
+const folder = testFolder("formats");
 
 /** `s3slice inspect` with a second of processor time and 200 MB of memory. */
 function inspect(name, bytes) {

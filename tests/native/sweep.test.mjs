@@ -1,38 +1,16 @@
 // s3slice sweep: what it writes is what single runs give, triple by triple.
 // Needs the native build: the folder of the programs in S3_BUILD, or build/native.
 import assert from "node:assert/strict";
-import { spawn, spawnSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { spawn } from "node:child_process";
+import { existsSync, readFileSync, readdirSync } from "node:fs";
 import path from "node:path";
-import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
+import { test } from "node:test";
+import { assertInputError, root, runnerIn, s3slice, testFolder } from "./program.mjs";
 
-const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const s3slice = path.join(process.env.S3_BUILD ?? path.join(root, "build/native"), "s3slice");
+const folder = testFolder("sweep");
+const { run, runWell } = runnerIn(folder);
 const bridge = ["--config", path.join(root, "models/bridge.job.json"), "--mesh.target_tets", "3000"];
 const coarse = ["--nozzle.diameter", "3"]; // few layers: the strain of a triple in a second
-
-let folder;
-before(() => {
-  assert.ok(existsSync(s3slice), `${s3slice} is missing: build the native programs first`);
-  folder = mkdtempSync(path.join(tmpdir(), "s3sweep-test-"));
-});
-after(() => rmSync(folder, { recursive: true, force: true }));
-
-const run = (...args) => spawnSync(s3slice, args, { cwd: folder, encoding: "utf8", timeout: 300000 });
-
-function runWell(...args) {
-  const result = run(...args);
-  assert.equal(result.status, 0, result.stderr);
-  return result;
-}
-
-function assertInputError(result, ...parts) {
-  assert.equal(result.status, 2, result.stderr);
-  assert.equal(result.stderr.trimEnd().split("\n").length, 1, result.stderr);
-  for (const part of parts) assert.ok(result.stderr.includes(part), `"${part}" is not in: ${result.stderr}`);
-}
 
 const read = (...parts) => readFileSync(path.join(folder, ...parts), "utf8");
 const json = (...parts) => JSON.parse(read(...parts));
