@@ -87,7 +87,7 @@ TEST_CASE("moved lines stay on a curved layer, with its normals and thickness") 
   const auto on_cylinder = [&](double angle, PathKind kind = PathKind::infill) {
     const Vec3 normal(0, std::sin(angle), std::cos(angle));
     return curve([=](double t) -> Vec3 { return Vec3(t, 0, 0) + kRadius * normal; },
-                 [=](double) { return normal; }, 0, 20, 0.5, kind);
+                 [=](double) { return Vec3(normal); }, 0, 20, 0.5, kind);
   };
   std::vector<std::vector<Path>> lines = {{on_cylinder(0.0), on_cylinder(1 / kRadius)}};
   const std::vector<PlannedPath> walls = {{on_cylinder(-1 / kRadius, PathKind::wall), 0, 0},

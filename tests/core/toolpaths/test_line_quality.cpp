@@ -37,10 +37,12 @@ LineQuality measured(const Pattern& pattern) {
   const Layer layer = make_rectangle(40, 40, 0.8);
   const double angle = pattern.angle_deg * kDegree;
   const Vec3 along(std::cos(angle), std::sin(angle), 0), away(std::sin(angle), -std::cos(angle), 0);
+  constexpr int kWalls = 15, kLines = 50;
   std::vector<Path> paths;
-  for (int k = 0; k < 15; ++k)
+  paths.reserve(kWalls + kLines);
+  for (int k = 0; k < kWalls; ++k)
     paths.push_back(straight(-60 * along + k * away, 60 * along + k * away, PathKind::wall));
-  for (int k = -25; k < 25; ++k) {
+  for (int k = -kLines / 2; k < kLines / 2; ++k) {
     if (k == pattern.left_out) continue;
     // The end (x, y) has the distance −(x, y)·away from the first wall, which runs through 0.
     const double y = k + 0.5, x = (y * std::cos(angle) - pattern.to_wall) / std::sin(angle);
