@@ -78,6 +78,7 @@ ObjectiveField make_objectives(const TetMesh& rest, const ObjectiveParams& param
     field.critical.assign(static_cast<std::size_t>(rest.tet_count()), 0);
     for (const Index t : stress->critical_tets) field.critical[t] = 1;
     field.tau_max = stress->principal;
+    field.tension = stress->principal_value;
   }
   return field;
 }

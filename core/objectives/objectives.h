@@ -77,6 +77,7 @@ struct ObjectiveField {
   std::vector<Index> tet_faces;          // boundary faces grouped by tet
   std::vector<char> critical;            // #T: 1 in S; empty without SR
   Directions tau_max;                    // #T×3; empty without SR
+  Values tension;                        // #T MPa, along tau_max; empty without SR
   std::vector<char> vertex_on_plate;     // #V: vertices of the plate contact, where G = 0
 };
 

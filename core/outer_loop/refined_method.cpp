@@ -29,6 +29,10 @@ constexpr double kStartAlphaMargin = radians(3);
 constexpr double kStartKeep = 0.25;
 // Steeper directions leave no height to slice: 90° as a limit means this.
 constexpr double kSteepest = radians(88);
+// Islands shallower than this share of the usual ‖∇G‖ over the length of an edge are filled: print
+// directions turn by a few degrees at most. Rise there, of the usual ‖∇G‖.
+constexpr double kShallow = 0.05, kDrainRise = 1e-4;
+constexpr int kDrainRounds = 5;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -81,6 +85,23 @@ Directions start_directions(const TetMesh& rest, const ObjectiveField& objective
   return direction;
 }
 
+// Islands too shallow to matter are filled, as far as the machine's tilt allows.
+Values without_shallow_islands(const TetMesh& rest, const FieldOperators& operators,
+                               const Anchors& anchors, const ObjectiveField& objectives,
+                               Values value, double max_tilt, Context& ctx) {
+  Points gradient;
+  operators.gradients(value, gradient, ctx);
+  const double usual = gradient.rowwise().norm().mean();
+  const double depth = kShallow * usual * mean_edge_length(rest);
+  for (int round = 0; round < kDrainRounds; ++round) {
+    Values drained =
+        drain_shallow_basins(rest, operators, objectives, value, depth, kDrainRise * usual);
+    if (count_tilted(rest, operators, drained, max_tilt) == 0) return drained;
+    value = limit_tilt(rest, operators, anchors, std::move(drained), max_tilt, ctx);
+  }
+  return value;
+}
+
 Quats upright_rotations(const Directions& print_direction) {
   Quats rotation(print_direction.rows(), 4);
   for (Eigen::Index t = 0; t < rotation.rows(); ++t)
@@ -120,6 +141,8 @@ DeformResult refined_method(const TetMesh& rest, const ObjectiveField& objective
                        {.max_tilt = max_tilt, .thickness_ratio = thickness_ratio}, ctx);
   result.timings.refinement = lap();
   value = limit_tilt(rest, operators, anchors, std::move(value), max_tilt, ctx);
+  value = without_shallow_islands(rest, operators, anchors, objectives, std::move(value), max_tilt,
+                                  ctx);
   result.timings.foldover = lap();
 
   record_residual(value);

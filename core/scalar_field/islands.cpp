@@ -1,7 +1,10 @@
 #include "scalar_field/islands.h"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
+#include <queue>
+#include <utility>
 
 namespace s3 {
 
@@ -37,6 +40,33 @@ VertexGraph vertex_graph(const TetMesh& rest) {
       for (int j = 0; j < 4; ++j)
         if (i != j) graph.neighbor[next[rest.tets(t, i)]++] = rest.tets(t, j);
   return graph;
+}
+
+// Visits every vertex that a way from the plate leads to, in the order in which rising water would
+// come: reach(u, v, length) says at which level it comes to u from v.
+template <class Reach>
+void flood(const TetMesh& rest, const FieldOperators& operators, const ObjectiveField& objectives,
+           const Values& value, double least_slope, Reach&& reach) {
+  using Shore = std::pair<double, Index>;  // level, vertex: ties go by number
+  std::priority_queue<Shore, std::vector<Shore>, std::greater<>> shore;
+  std::vector<char> reached(objectives.vertex_on_plate);
+  for (Index v = 0; v < rest.vertex_count(); ++v)
+    if (reached[v]) shore.emplace(value(v), v);
+  while (!shore.empty()) {
+    const Index v = shore.top().second;
+    shore.pop();
+    operators.for_each_tet_around(v, [&](Index t) {
+      for (int i = 0; i < 4; ++i) {
+        const Index u = rest.tets(t, i);
+        if (reached[u]) continue;
+        const Vec3 edge = rest.vertices.row(u) - rest.vertices.row(v);
+        const double length = edge.norm();
+        if (edge.z() < least_slope * length) continue;
+        reached[u] = 1;
+        shore.emplace(reach(u, v, length), u);
+      }
+    });
+  }
 }
 
 Vec3 centroid(const TetMesh& rest, const std::vector<Index>& vertices) {
@@ -142,6 +172,29 @@ std::vector<std::vector<Index>> find_minima(const TetMesh& rest, const FieldOper
     minima.push_back(std::move(place));
   }
   return minima;
+}
+
+Flood flood_from_plate(const TetMesh& rest, const FieldOperators& operators,
+                       const ObjectiveField& objectives, const Values& value, double least_slope) {
+  Flood result{std::vector<Index>(static_cast<std::size_t>(rest.vertex_count()), -1), value};
+  flood(rest, operators, objectives, value, least_slope, [&](Index u, Index v, double) {
+    result.from[u] = v;
+    return result.level(u) = std::max(value(u), result.level(v));
+  });
+  return result;
+}
+
+Values drain_shallow_basins(const TetMesh& rest, const FieldOperators& operators,
+                            const ObjectiveField& objectives, const Values& value, double depth,
+                            double rise) {
+  Values drained = value, pass = value;
+  constexpr double kAnyWay = -2;
+  flood(rest, operators, objectives, value, kAnyWay, [&](Index u, Index v, double length) {
+    pass(u) = std::max(value(u), pass(v));
+    if (pass(u) - value(u) <= depth) drained(u) = std::max(value(u), drained(v) + rise * length);
+    return drained(u);
+  });
+  return drained;
 }
 
 }  // namespace s3

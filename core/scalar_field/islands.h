@@ -28,4 +28,24 @@ std::vector<Island> find_islands(const TetMesh& rest, const ObjectiveField& obje
 std::vector<std::vector<Index>> find_minima(const TetMesh& rest, const FieldOperators& operators,
                                             const ObjectiveField& objectives, const Values& value);
 
+/// The way by which water that rises from the plate would come to each vertex: a flood over the
+/// lowest passes, as on terrain (Barnes et al. 2014, "Priority-flood"). O(#T + #V log #V).
+struct Flood {
+  std::vector<Index> from;  // #V: the vertex before, −1 on the plate and where no way leads
+  Values level;             // #V: the highest value on the way; above the value within a basin
+};
+
+/// @param least_slope  sine of the steepest way down that layers of the machine can follow
+Flood flood_from_plate(const TetMesh& rest, const FieldOperators& operators,
+                       const ObjectiveField& objectives, const Values& value, double least_slope);
+
+/// Raises the vertices of basins no deeper than `depth` just enough that each of them lies above
+/// one that comes before it: islands too shallow to matter are gone. Deeper ones stay.
+/// O(#T + #V log #V).
+/// @param rise  of G for each mm of the way, on vertices that are raised
+/// @return #V
+Values drain_shallow_basins(const TetMesh& rest, const FieldOperators& operators,
+                            const ObjectiveField& objectives, const Values& value, double depth,
+                            double rise);
+
 }  // namespace s3

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -18,22 +19,29 @@ namespace s3 {
 namespace {
 
 constexpr int kIterations = 60;
-constexpr int kStrengthIterations = 160;  // SR turns layers far: topopt gains 1 point of SF and SR
+constexpr int kStrengthIterations = 400;  // SR turns layers far: topopt gains 5 points of SR by 400
 
 // Weights, for each mm³ of the solid; only their ratios matter.
 constexpr double kHard = 25;   // on tets with a surface or stress objective: the unit of the others
 constexpr double kRange = 10;  // the same constraints on all other tets, which have only to follow
+// The same with SR, which pulls on whole struts while SF holds their undersides alone.
+constexpr double kStrengthHard = 80, kStrengthRange = 12;
+constexpr double kSupport = 600;     // on edges that support islands
 constexpr double kConcavity = 60;    // on faces; 30 leaves some valleys
 constexpr double kSmoothness = 0.2;  // squared jump of ∇G; much more keeps overhangs from turning
 constexpr double kProximity = 0.01;  // to the start: decides only what nothing else does
 constexpr double kQuality = 120;     // soft, SQ, where it is the first of the objectives
-constexpr double kStrength = 50;     // soft, SR, likewise
+constexpr double kStrength = 65;     // soft, SR, likewise
 
 // A soft objective pulls no harder than from this far away, as a share of the usual ‖∇G‖: places
 // that cannot comply hold back those that can as little as possible. Worth 2 points of SQ area on
 // the ankle.
 constexpr double kQualityReach = 0.12;
 constexpr double kStrengthReach = 0.3;
+// SR weighs as much more as a critical tet is pulled more than the mean of S, within these bounds:
+// the part breaks where it is pulled most, and the first places to give up must not be those. On
+// the bunny, whose ears carry 20 times the mean, the largest strain falls by 40 % through it.
+constexpr double kLeastTension = 0.75, kMostTension = 8;
 // Then they give up: from the first share of the iterations to the second, the distance at which
 // the pull begins to fade shrinks (graduated non-convexity, Blake and Zisserman 1987, with the
 // weight of Geman and McClure). Otherwise critical tets that stand on the plate tear the layers
@@ -43,18 +51,26 @@ constexpr double kNearFade = 0.2;  // of the usual ‖∇G‖, at the end
 constexpr int kFadeHalvings = 4;
 
 // Constraints aim this far inside their border: solutions come to lie around it.
-constexpr double kAlphaMargin = radians(2);
+constexpr double kAlphaMargin = radians(2), kStrengthAlphaMargin = radians(3.75);
 // SR is soft and stops where it would be met: without a margin half of the critical tets of the
 // bridge end just outside.
-constexpr double kBetaMargin = radians(5);
+constexpr double kBetaMargin = radians(6.5);
 constexpr double kTiltMargin = radians(1);
 // Valleys over 20° make poor surfaces; the clamp acts before.
 constexpr double kPoorConcaveAngle = radians(20);
 constexpr double kClampedAngle = radians(16);
 
+// Layers rise from what supports an island at least by this share of the usual ‖∇G‖: critical
+// struts allow no more than sin β along them.
+constexpr double kSupportRise = 0.02;
+// An island's way to the plate is no steeper downwards than layers at the machine's tilt could
+// follow, by this much.
+constexpr double kWayMargin = 0.1;
+
 // Duals forget: constraints in conflict would grow without bound.
 constexpr double kLeak = 0.95;
 constexpr double kJumpLeak = 0.98;
+constexpr double kSupportLeak = 0.98;
 // Of each solve; the next iteration corrects what it leaves.
 constexpr double kTolerance = 0.1;
 constexpr int kCheckEvery = 5;  // iterations
@@ -70,6 +86,13 @@ constexpr std::size_t kGrain = 4096;
 struct TetConstraint {
   FeasibleRegion hard, soft;
   double soft_weight = 0;
+};
+
+// An edge of the solid along which G must rise: its upper end shall not start in the air.
+struct Support {
+  Index below;
+  double rise, weight;  // mm; times (mm of G)²
+  double dual = 0;
 };
 
 // The concave jump of ∇G across a face at which the print directions differ by the angle whose
@@ -109,14 +132,19 @@ class Refinement {
 
  private:
   void make_constraints(const ObjectiveParams& params);
+  double mean_tension() const;
+  double tension_weight(Index t) const;
   void prepare_solver();
   void clamp_jumps();
   void project_tets();
   Vec3 tet_force(Index t);
   Vec3 soft_pull(const TetConstraint& constraint, const Vec3& g) const;
   void solve();
-  void support_minima(const std::vector<std::vector<Index>>& minima);
+  void pull_supports();
+  void turn_tets_of_minima(const std::vector<std::vector<Index>>& minima);
   void support_vertex_above(Index from, Index to);
+  void support_minima(const std::vector<std::vector<Index>>& minima);
+  void support(Index vertex, Index below);
   double score(Index islands, const Values& omega) const;
 
   const TetMesh& rest_;
@@ -125,18 +153,21 @@ class Refinement {
   const ObjectiveField& objectives_;
   const ObjectiveParams& params_;
   const double cos_tilt_;
+  const double least_slope_;  // of ways from the plate
   Context& ctx_;
 
   Values value_;
   Points start_gradient_, gradient_, dual_, force_;
   double usual_ = 0, shortest_ = 0, longest_ = 0;  // ‖∇G‖: median and bounds
+  double mean_tension_ = 0;                        // in S
   int iterations_ = kIterations;
   double fade_ = std::numeric_limits<double>::infinity();  // of soft objectives, now
   FeasibleRegion machine_;                                 // the cone alone
   std::vector<Index> constraint_of_;                       // #T, −1 for none
   std::vector<TetConstraint> constraints_;
-  Values hard_weight_;             // #T, times volume
-  Values jump_dual_, jump_force_;  // #N
+  Values hard_weight_;                 // #T, times volume
+  Values jump_dual_, jump_force_;      // #N
+  std::map<Index, Support> supports_;  // of each vertex that has one
   std::unique_ptr<SpdSolver> solver_;
   Values vertex_force_;
   Block right_, change_;
@@ -151,6 +182,7 @@ Refinement::Refinement(const TetMesh& rest, const FieldOperators& op, const Anch
       objectives_(objectives),
       params_(objective_params),
       cos_tilt_(std::cos(std::max(0.5 * params.max_tilt, params.max_tilt - kTiltMargin))),
+      least_slope_(kWayMargin - std::sqrt(1 - cos_tilt_ * cos_tilt_)),
       ctx_(ctx),
       value_(start),
       dual_(Points::Zero(rest.tet_count(), 3)),
@@ -165,19 +197,38 @@ Refinement::Refinement(const TetMesh& rest, const FieldOperators& op, const Anch
   longest_ = usual_ * std::sqrt(params.thickness_ratio);
   if (!objectives.critical.empty()) iterations_ = kStrengthIterations;
   machine_.cos_tilt = cos_tilt_;
+  mean_tension_ = mean_tension();
   make_constraints(objective_params);
   prepare_solver();
 }
 
+// Of the critical tets, by volume; 0 without any.
+double Refinement::mean_tension() const {
+  double pull = 0, volume = 0;
+  for (Index t = 0; t < static_cast<Index>(objectives_.critical.size()); ++t) {
+    if (!objectives_.critical[t]) continue;
+    pull += objectives_.tension(t) * op_.volume(t);
+    volume += op_.volume(t);
+  }
+  return volume > 0 ? pull / volume : 0;
+}
+
+double Refinement::tension_weight(Index t) const {
+  return std::clamp(objectives_.tension(t) / mean_tension_, kLeastTension, kMostTension);
+}
+
 void Refinement::make_constraints(const ObjectiveParams& params) {
-  const RegionBounds hard = region_bounds(params, kAlphaMargin);
+  const bool strength = !objectives_.critical.empty();
+  const RegionBounds hard = region_bounds(params, strength ? kStrengthAlphaMargin : kAlphaMargin);
   RegionBounds soft = region_bounds(params);
   soft.sin_beta = std::sin(std::max(0.0, radians(params.beta_deg) - kBetaMargin));
+  const double constrained = strength ? kStrengthHard : kHard;
+  const double others = strength ? kStrengthRange : kRange;
   const double first = std::max({params.support_free, params.surface_quality, params.strength});
   constraint_of_.assign(static_cast<std::size_t>(rest_.tet_count()), -1);
   hard_weight_.resize(rest_.tet_count());
   for (Index t = 0; t < rest_.tet_count(); ++t) {
-    hard_weight_(t) = kRange * op_.volume(t);
+    hard_weight_(t) = others * op_.volume(t);
     TetConstraint c{.hard = machine_, .soft = feasible_region(objectives_, soft, t)};
     if (!c.soft.constrained()) continue;
     c.soft.on_plate = false;  // the anchors hold the plate
@@ -192,8 +243,9 @@ void Refinement::make_constraints(const ObjectiveParams& params) {
                                      [](const auto& face) { return face.quality; });
     if (quality) c.soft_weight = kQuality * params.surface_quality / first;
     if (c.soft.critical)
-      c.soft_weight = std::max(c.soft_weight, kStrength * params.strength / first);
-    hard_weight_(t) = kHard * op_.volume(t);
+      c.soft_weight =
+          std::max(c.soft_weight, kStrength * params.strength / first * tension_weight(t));
+    hard_weight_(t) = constrained * op_.volume(t);
     constraint_of_[t] = static_cast<Index>(constraints_.size());
     constraints_.push_back(c);
   }
@@ -207,8 +259,17 @@ void Refinement::prepare_solver() {
   }
   for (Index p = 0; p < rest_.face_pairs.rows(); ++p)
     pair_weight(p) = (kSmoothness + kConcavity) * op_.face_weight(p);
+  SparseMatrix matrix = op_.energy(tet_weight, pair_weight, anchors_.free_index, ctx_);
+  for (const auto& [vertex, support] : supports_) {
+    const Index high = anchors_.free_index[vertex], low = anchors_.free_index[support.below];
+    if (high >= 0) matrix.coeffRef(high, high) += support.weight;
+    if (low >= 0) matrix.coeffRef(low, low) += support.weight;
+    if (high < 0 || low < 0) continue;
+    matrix.coeffRef(high, low) -= support.weight;
+    matrix.coeffRef(low, high) -= support.weight;
+  }
   solver_ = make_solver({.tolerance = kTolerance});
-  solver_->factor(op_.energy(tet_weight, pair_weight, anchors_.free_index, ctx_), ctx_);
+  solver_->factor(matrix, ctx_);
 }
 
 Values Refinement::run() {
@@ -218,7 +279,10 @@ Values Refinement::run() {
     op_.gradients(value_, gradient_, ctx_);
     if (iteration % kCheckEvery == 0 && iteration > 0) {
       const auto minima = find_minima(rest_, op_, objectives_, value_);
-      support_minima(minima);
+      if (objectives_.critical.empty())
+        turn_tets_of_minima(minima);
+      else
+        support_minima(minima);
       const Values omega = concave_angles(rest_, gradient_.rowwise().normalized());
       const double now = score(static_cast<Index>(minima.size()), omega);
       if (2 * iteration >= iterations_ && now < best_score) {
@@ -303,15 +367,28 @@ Vec3 Refinement::soft_pull(const TetConstraint& constraint, const Vec3& g) const
 
 void Refinement::solve() {
   op_.adjoint(force_, vertex_force_, ctx_);
+  pull_supports();
   anchors_.gather_free(vertex_force_, right_);
   change_.setZero();
   solver_->solve(right_, change_, ctx_);
   anchors_.add_free(change_, value_);
 }
 
+void Refinement::pull_supports() {
+  for (auto& [vertex, support] : supports_) {
+    const double rise = value_(vertex) - value_(support.below);
+    const double wanted = rise + support.dual;
+    const double kept = std::max(wanted, support.rise);
+    support.dual = kSupportLeak * (wanted - kept);
+    const double force = support.weight * (kept - support.dual - rise);
+    vertex_force_(vertex) += force;
+    vertex_force_(support.below) -= force;
+  }
+}
+
 // An island has neighbours in the solid that could be printed before it: the layers shall rise from
 // the one that comes first, among those that the machine's tilt allows.
-void Refinement::support_minima(const std::vector<std::vector<Index>>& minima) {
+void Refinement::turn_tets_of_minima(const std::vector<std::vector<Index>>& minima) {
   const double steepest = -std::sqrt(1 - cos_tilt_ * cos_tilt_) + kLeastRise;
   for (const std::vector<Index>& minimum : minima) {
     double least = std::numeric_limits<double>::infinity();
@@ -347,6 +424,38 @@ void Refinement::support_vertex_above(Index from, Index to) {
     region.must_rise = true;
     region.rise = rise;
   });
+}
+
+// Water that rises from the plate comes to an island over the lowest pass: layers shall rise along
+// that way instead. Planar layers rarely have islands, so these are found while they are shallow.
+void Refinement::support_minima(const std::vector<std::vector<Index>>& minima) {
+  if (minima.empty()) return;
+  const Flood flood = flood_from_plate(rest_, op_, objectives_, value_, least_slope_);
+  for (const std::vector<Index>& minimum : minima) {
+    Index v = minimum.front();
+    do {
+      const Index below = flood.from[v];
+      if (below < 0) break;
+      support(v, below);
+      v = below;
+    } while (flood.level(v) > value_(v));
+  }
+  prepare_solver();
+}
+
+void Refinement::support(Index vertex, Index below) {
+  const auto old = supports_.find(vertex);
+  if (old != supports_.end() && old->second.below == below) return;
+  const auto opposite = supports_.find(below);
+  if (opposite != supports_.end() && opposite->second.below == vertex) supports_.erase(opposite);
+  double volume = 0;  // of the tets around the edge
+  op_.for_each_tet_around(vertex, [&](Index t) {
+    for (int i = 0; i < 4; ++i)
+      if (rest_.tets(t, i) == below) volume += op_.volume(t);
+  });
+  const double length = (rest_.vertices.row(vertex) - rest_.vertices.row(below)).norm();
+  supports_[vertex] = {below, kSupportRise * usual_ * length,
+                       kSupport * volume / (length * length)};
 }
 
 double Refinement::score(Index islands, const Values& omega) const {

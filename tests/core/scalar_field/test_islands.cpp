@@ -88,3 +88,57 @@ TEST_CASE("noise below the tolerance does not split a flat underside") {
   for (Index v = 0; v < hook.vertex_count(); ++v) height(v) += 1e-12 * (v % 7);
   CHECK(find_islands(hook, make_objectives(hook, {}, nullptr), height).size() == 1);
 }
+
+TEST_CASE("the flood comes to a hanging prong over the pass that holds it") {
+  Context ctx;
+  const TetMesh hook = test::make_carved(24, 8, 40, Vec3(12, 4, 20), [](const Vec3& p) {
+    return p.z() > 16 || p.x() < 4 || (p.x() > 8 && p.z() > 4);
+  });
+  const ObjectiveField objectives = make_objectives(hook, {}, nullptr);
+  const FieldOperators operators(hook, ctx);
+  const Values height = hook.vertices.col(2);
+  const Flood flood = flood_from_plate(hook, operators, objectives, height, -2);
+  for (Index v = 0; v < hook.vertex_count(); ++v) {
+    if (!operators.in_use(v)) continue;
+    const bool hangs = hook.vertices(v, 0) >= 8 && height(v) < 16;
+    CHECK(flood.level(v) == doctest::Approx(hangs ? 16 : height(v)));
+    // Each way ends on the plate, and never rises above its level.
+    Index at = v;
+    for (int step = 0; flood.from[at] >= 0; ++step, at = flood.from[at]) {
+      REQUIRE(step < hook.vertex_count());
+      CHECK(height(at) <= flood.level(v) + 1e-9);
+    }
+    CHECK(objectives.vertex_on_plate[at]);
+  }
+  // No way leads down into the prong where layers cannot follow it.
+  const Flood gentle = flood_from_plate(hook, operators, objectives, height, 0);
+  for (Index v = 0; v < hook.vertex_count(); ++v)
+    if (operators.in_use(v) && hook.vertices(v, 0) >= 8 && height(v) < 16)
+      CHECK(gentle.from[v] < 0);
+}
+
+TEST_CASE("shallow islands are drained by less than their depth, deep ones stay") {
+  Context ctx;
+  // A hook whose prong hangs 4 mm, and dents of 0.1 to 0.3 mm in the height.
+  const TetMesh hook = test::make_carved(12, 8, 20, Vec3(12, 8, 20), [](const Vec3& p) {
+    return p.z() > 16 || p.x() < 4 || (p.x() > 8 && p.z() > 12);
+  });
+  const ObjectiveField objectives = make_objectives(hook, {}, nullptr);
+  const FieldOperators operators(hook, ctx);
+  Values height = 0.2 * hook.vertices.col(2);
+  for (Index v = 0; v < hook.vertex_count(); ++v)
+    if (hook.vertices(v, 0) < 4 && hook.vertices(v, 2) > 2) height(v) -= 0.1 * (v % 7 % 4);
+  const std::size_t before = find_islands(hook, objectives, height).size();
+  CHECK(before > 5);
+  const Values drained = drain_shallow_basins(hook, operators, objectives, height, 0.5, 1e-5);
+  const std::vector<Island> left = find_islands(hook, objectives, drained);
+  REQUIRE(left.size() == 1);
+  CHECK(left[0].place.x() > 8);
+  const Values raised = drained - height;
+  CHECK(raised.minCoeff() == 0);
+  CHECK(raised.maxCoeff() > 0);
+  CHECK(raised.maxCoeff() < 0.5);
+  CHECK(find_islands(hook, objectives,
+                     drain_shallow_basins(hook, operators, objectives, height, 2, 1e-5))
+            .empty());
+}
