@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -213,4 +214,39 @@ TEST_CASE("the ring prints without support (the paper's model)") {
   CHECK(inverted_tets(ring, result.deformed) == 0);
   CHECK(result.islands.empty());
   CHECK(count_concave_over(concave_angles(ring, result.field.print_direction), radians(20)) == 0);
+}
+
+TEST_CASE("where tensions contradict each other, layers follow the larger") {
+  // Tets above the middle are pulled up to the left or up to the right, in turn.
+  const TetMesh block = test::make_grid(8, 4, 12, Vec3(16, 8, 24));
+  const auto leftward = [&](Index t) { return t % 2 == 0; };
+  StressField stress;
+  stress.principal.resize(block.tet_count(), 3);
+  stress.principal_value.resize(block.tet_count());
+  for (Index t = 0; t < block.tet_count(); ++t) {
+    const double side = leftward(t) ? -1 : 1;
+    stress.principal.row(t) << side * std::sin(radians(50)), 0, std::cos(radians(50));
+    if (block.centroid(t).z() > 12) stress.critical_tets.push_back(t);
+  }
+  ObjectiveParams params;
+  params.support_free = 0;
+  params.strength = 1;
+  const auto stray = [&](bool left_is_larger) {  // mean |d·τ| of the tets with the larger tension
+    for (Index t = 0; t < block.tet_count(); ++t)
+      stress.principal_value(t) = leftward(t) == left_is_larger ? 5 : 0.5;
+    Context ctx(1);
+    const DeformResult result = refined_method(block, make_objectives(block, params, &stress),
+                                               params, {}, kThicknessRatio, ctx);
+    std::array<double, 2> sum{}, count{};
+    for (const Index t : stress.critical_tets) {
+      const std::size_t k = leftward(t) == left_is_larger ? 0 : 1;
+      sum[k] += std::abs(result.field.print_direction.row(t).dot(stress.principal.row(t)));
+      count[k] += 1;
+    }
+    return std::array<double, 2>{sum[0] / count[0], sum[1] / count[1]};
+  };
+  for (const bool left : {true, false}) {
+    const auto [larger, smaller] = stray(left);
+    CHECK(larger < 0.8 * smaller);
+  }
 }
