@@ -144,7 +144,7 @@ class Refinement {
   void turn_tets_of_minima(const std::vector<std::vector<Index>>& minima);
   void support_vertex_above(Index from, Index to);
   void support_minima(const std::vector<std::vector<Index>>& minima);
-  void support(Index vertex, Index below);
+  bool support(Index vertex, Index below);
   double score(Index islands, const Values& omega) const;
 
   const TetMesh& rest_;
@@ -431,21 +431,23 @@ void Refinement::support_vertex_above(Index from, Index to) {
 void Refinement::support_minima(const std::vector<std::vector<Index>>& minima) {
   if (minima.empty()) return;
   const Flood flood = flood_from_plate(rest_, op_, objectives_, value_, least_slope_);
+  bool changed = false;
   for (const std::vector<Index>& minimum : minima) {
     Index v = minimum.front();
     do {
       const Index below = flood.from[v];
       if (below < 0) break;
-      support(v, below);
+      changed = support(v, below) || changed;
       v = below;
     } while (flood.level(v) > value_(v));
   }
-  prepare_solver();
+  if (changed) prepare_solver();
 }
 
-void Refinement::support(Index vertex, Index below) {
+// @return whether that is new
+bool Refinement::support(Index vertex, Index below) {
   const auto old = supports_.find(vertex);
-  if (old != supports_.end() && old->second.below == below) return;
+  if (old != supports_.end() && old->second.below == below) return false;
   const auto opposite = supports_.find(below);
   if (opposite != supports_.end() && opposite->second.below == vertex) supports_.erase(opposite);
   double volume = 0;  // of the tets around the edge
@@ -456,6 +458,7 @@ void Refinement::support(Index vertex, Index below) {
   const double length = (rest_.vertices.row(vertex) - rest_.vertices.row(below)).norm();
   supports_[vertex] = {below, kSupportRise * usual_ * length,
                        kSupport * volume / (length * length)};
+  return true;
 }
 
 double Refinement::score(Index islands, const Values& omega) const {
