@@ -97,6 +97,7 @@ TEST_CASE("beads of all layers together are as large as the part") {
       }
     }
   const double volume = tet_volumes(block).sum();
-  CHECK(beads == doctest::Approx(volume).epsilon(0.03));  // the top is thinner than a layer in places
+  CHECK(beads ==
+        doctest::Approx(volume).epsilon(0.03));  // the top is thinner than a layer in places
   CHECK(std::abs(beads - volume) < std::abs(thickness - volume));
 }
