@@ -1,10 +1,11 @@
 // Adaptive slicing (Sec. 4.2). The paper spaces complete isosurfaces at d_min, halves gaps beyond
 // d_max and removes what is then thinner than d_min. Here the same three steps are one sweep over
-// the printed material, which bounds the thickness by construction: the next isosurface is the
-// highest whose distance to the material stays below d_max everywhere, and what is nearer than
-// d_min is left out of it, to be covered by a later one. Where no isosurface can stay within d_max
-// (fronts that close an arch, rims that overhang too far) the layer is left open, and thin layers
-// close the gap.
+// the printed material. The next complete isosurface is the highest whose distance to the material
+// stays below d_max everywhere or, where that would be too thin elsewhere, the lowest that is not.
+// Where it is farther than d_max, the isosurface half-way is printed before it, cut to that place,
+// and so on for both halves. Halving keeps partial layers in step with each other: their edges lie
+// above each other instead of anywhere. What is still too thin, or cannot be carried, is cut off
+// last, so that the thickness is bounded by construction.
 #include "layers/adaptive_slicing.h"
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <utility>
 
 #include "layers/bead_height.h"
+#include "layers/insertion.h"
 #include "layers/isosurface.h"
 #include "layers/layer_distance.h"
 #include "layers/layer_parts.h"
@@ -59,15 +61,20 @@ constexpr double kEstimateSlack = 1.3;
 // The cut zone reaches this share of the way from d_min to the thickness that the next layer could
 // still cover.
 constexpr double kCutZone = 0.5;
-// Where fronts close an arch, or a rim overhangs too far, what lies farther than d_max from the
-// material is left out as long as it is within this many d_max: the next layers close such a gap.
+// What lies farther than d_max from the material although layers are inserted is left out as long
+// as it is within this many d_max: the next layers close such a gap.
 constexpr double kGapReach = 4;
-// ... and they do so in steps of this many d_min.
-constexpr double kGapStep = 1.2;
 constexpr int kLowerings = 2;
-// How far around a point that cannot be carried the thickness does not restrict the next layer, in
-// d_max.
+// A complete layer may be thinner than d_min on this share of its area, where it is cut.
+constexpr double kThinShare = 0.02;
+// The search for the lowest layer that is not too thin ends within this factor.
+constexpr double kThinWindow = 1.15;
+// Places that are too thick for any complete layer do not restrict it as long as they are this
+// share of its area, and points within this many d_max of them do not either.
+constexpr double kGivenUpShare = 0.02;
 constexpr double kGivenUpRadius = 1.5;
+// Half a step is not divided where it would be less than this many d_min along ∇G.
+constexpr double kLeastStep = 0.5;
 
 // An isosurface that may become the next layer.
 struct Probe {
@@ -75,6 +82,7 @@ struct Probe {
   Isosurface surface;
   Measured distance;
   double thickest = 0;    // of the points that some iso value could bring into the range
+  double too_thick = 0;   // share of the area that they are too thick on
   double suggestion = 0;  // the iso value at which the thickest would reach the goal
 };
 
@@ -91,7 +99,7 @@ class Slicer {
   Slicer(const TetMesh& rest, const ScalarField& field, const LayerParams& params, Context& ctx)
       : ctx_(ctx),
         extractor_(rest, field),
-        part_(rest.vertices, rest.boundary_faces),
+        part_(rest),
         size_(size_of(bounding_box(rest.vertices))),
         d_min_(params.d_min()),
         d_max_(params.d_max()),
@@ -114,12 +122,14 @@ class Slicer {
   Probe next_surface(double top);
   Probe spread_to_top(Probe best, double top);
   double thin_area(const Probe& probe) const;
-  double lowest_step(const Probe& probe) const;
+  double thin_quantile(const Probe& probe) const;
   Values keep_value(const Isosurface& surface, const Values& thickness) const;
   bool is_given_up(const Vec3& p) const;
   void give_up(const Probe& probe);
   Candidate make_candidate(Probe next);
   void lower_slightly(Candidate& candidate);
+  void print_up_to(double from, Candidate layer);
+  bool insert_between(double from, double to);
   void trim(Candidate& candidate);
   void print(const Isosurface& whole, const Measured& distance, double iso, bool partial);
   void drop_slivers();
@@ -129,8 +139,9 @@ class Slicer {
 
   Context& ctx_;
   IsosurfaceExtractor extractor_;
-  AabbTree part_;  // the part's surface
+  PartSurface part_;
   PrintedMaterial material_;
+  LayersAbove above_;  // of the running insertion
   LayerStack stack_;
   RemeshTarget target_;
   Vec3 size_;  // of the part, mm
@@ -155,6 +166,17 @@ Values vertex_slopes(const Isosurface& iso, const std::vector<double>& slope) {
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
+// Area of the surface around each vertex: a third of its triangles.
+Values vertex_areas(const Isosurface& iso) {
+  const Points& points = iso.surface.vertices;
+  Values area = Values::Zero(points.rows());
+  for (Eigen::Index f = 0; f < iso.surface.triangles.rows(); ++f)
+    for (int i = 0; i < 3; ++i)
+      area(iso.surface.triangles(f, i)) +=
+          triangle_normal_2a(points, iso.surface.triangles.row(f)).norm() / 6;
+  return area;
+}
+
 // Extracts an isosurface and measures it against the material.
 //
 // A point is given up (it does not restrict the iso value) when no iso value could bring it into
@@ -169,6 +191,7 @@ Probe Slicer::probe(double iso) {
   result.distance = measure(material_, points, range_.far(), ctx_);
   const std::vector<Index>& below = result.distance.below;
   const Values slope = vertex_slopes(result.surface, slope_);
+  const Values area = vertex_areas(result.surface);
   const double steepest = kEstimateSlack * high_ / low_;
   const double goal = high_ - 0.4 * kTargetWindow * (d_max_ - d_min_);
   result.suggestion = std::numeric_limits<double>::infinity();
@@ -181,31 +204,14 @@ Probe Slicer::probe(double iso) {
     const double thickness = result.distance.thickness(v);
     if (thickness > high_ &&
         (thickness > steepest * estimate || thickness > low_ + steepest * risen ||
-         is_given_up(points.row(v).transpose()))) {
-      // The gap around such a point closes by the more a layer, the thinner the layer is there.
-      if (thickness <= range_.gap_reach && risen > kGapStep * low_) {
-        result.thickest = std::numeric_limits<double>::infinity();
-        result.suggestion =
-            std::min(result.suggestion, last_iso_ + 0.98 * kGapStep * low_ * slope(v));
-      }
+         is_given_up(points.row(v).transpose())))
       continue;
-    }
     result.thickest = std::max(result.thickest, thickness);
+    if (thickness > high_) result.too_thick += area(v) / area.sum();
     const double growth = std::clamp(estimate > 0 ? thickness / estimate : 1.0, 1.0, steepest);
     result.suggestion = std::min(result.suggestion, iso + (goal - thickness) * slope(v) / growth);
   }
   return result;
-}
-
-// The smallest sensible step: half of d_min where the surface is slackest (but for outliers).
-double Slicer::lowest_step(const Probe& probe) const {
-  std::vector<double> slopes;
-  slopes.reserve(probe.surface.source_tet.size());
-  for (const Index t : probe.surface.source_tet) slopes.push_back(slope_[t]);
-  if (slopes.empty()) return 0.5 * low_;
-  const auto nth = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 20);
-  std::nth_element(slopes.begin(), nth, slopes.end());
-  return 0.5 * low_ * std::max(*nth, 1e-3);
 }
 
 bool Slicer::is_given_up(const Vec3& p) const {
@@ -214,7 +220,7 @@ bool Slicer::is_given_up(const Vec3& p) const {
                      [&](const Vec3& q) { return (p - q).squaredNorm() < radius * radius; });
 }
 
-// Notes the places that are too thick even for the smallest step. Near ones stand for each other.
+// Notes the places that are too thick. Near ones stand for each other.
 void Slicer::give_up(const Probe& probe) {
   const Points& points = probe.surface.surface.vertices;
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
@@ -227,45 +233,62 @@ void Slicer::give_up(const Probe& probe) {
   }
 }
 
-// The highest isosurface above the last that is nowhere thicker than allowed, by bracketing with
-// the suggestions of the probes.
+// The thickness that kThinShare of the area is below.
+double Slicer::thin_quantile(const Probe& probe) const {
+  const Values area = vertex_areas(probe.surface);
+  std::vector<std::pair<double, double>> at;  // thickness, area
+  for (Eigen::Index v = 0; v < area.size(); ++v)
+    at.emplace_back(probe.distance.thickness(v), area(v));
+  std::sort(at.begin(), at.end());
+  double sum = 0;
+  for (const auto& [thickness, around] : at) {
+    sum += around;
+    if (sum > kThinShare * area.sum()) return thickness;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+// The next complete isosurface, by bracketing with the suggestions of the probes: the highest that
+// is nowhere thicker than allowed or, where that would be too thin elsewhere, the lowest that is
+// not. Few places that are too thick even for the latter are given up.
 Probe Slicer::next_surface(double top) {
   Probe best;
   bool found = false, gave_up = false;
   const double infinity = std::numeric_limits<double>::infinity();
-  double infeasible = infinity;
+  double too_high = infinity;
   double guess = std::min(last_iso_ + last_step_, top);
-  double floor = last_iso_;
   given_up_.clear();
   for (int round = 0; round < kMaxProbes; ++round) {
     Probe now = probe(guess);
-    floor = std::min(last_iso_ + lowest_step(now), top);
-    double next = std::min(now.suggestion, top);
-    if (now.thickest <= high_) {
-      const bool full = now.thickest >= high_ - kTargetWindow * (d_max_ - d_min_) || guess >= top;
+    const double thin = thin_quantile(now), step = guess - last_iso_;
+    const bool is_thin = thin<low_, is_thick = now.thickest> high_;
+    if (guess >= top && (is_thin || !is_thick)) return now;
+    if (is_thin) {
+      guess += step * std::clamp(1.08 * low_ / std::max(thin, 0.1 * low_) - 1, 0.02, 2.0);
+    } else if (!is_thick) {
+      const bool full = now.thickest >= high_ - kTargetWindow * (d_max_ - d_min_);
+      guess = std::min(now.suggestion, last_iso_ + 3 * step);
       best = std::move(now);
       found = true;
       if (full) break;
-      next = std::min(next, last_iso_ + 3 * (guess - last_iso_));
-    } else if (guess > floor) {
-      infeasible = guess;
-    } else if (gave_up) {
-      return now;
+    } else if (thin > kThinWindow * low_) {
+      too_high = guess;
+      guess = std::max(now.suggestion, last_iso_ + step * 1.08 * low_ / thin);
     } else {
+      if (gave_up || now.too_thick > kGivenUpShare) return now;
       give_up(now);
-      gave_up = true;
-      infeasible = infinity;
-      next = last_iso_ + last_step_;
+      gave_up = found = true;
+      best = std::move(now);
+      too_high = infinity;
+      guess = last_iso_ + std::max(last_step_, 1.1 * step);
     }
-    const double feasible = found ? best.iso : floor;
-    if (infeasible < infinity) {
-      const double span = infeasible - feasible;
-      if (found && span < 0.02 * (infeasible - last_iso_)) break;
-      next = std::clamp(next, feasible + (found ? 0.1 * span : 0.0), infeasible - 0.1 * span);
-    }
-    guess = std::max(next, floor);
+    guess = std::min(guess, top);
+    if (too_high == infinity) continue;
+    const double from = found ? best.iso : last_iso_, span = too_high - from;
+    if (found && span < 0.02 * (too_high - last_iso_)) break;
+    guess = std::clamp(guess, from + 0.1 * span, too_high - 0.1 * span);
   }
-  return found ? spread_to_top(std::move(best), top) : probe(floor);
+  return found ? spread_to_top(std::move(best), top) : probe(guess);
 }
 
 double Slicer::thin_area(const Probe& probe) const {
@@ -329,7 +352,7 @@ Values Slicer::keep_value(const Isosurface& surface, const Values& thickness) co
 // Adds the components of a surface to the stack and to the material.
 void Slicer::print(const Isosurface& whole, const Measured& distance, double iso, bool partial) {
   const Values height =
-      bead_heights(material_, part_, whole.surface, whole.normal, d_min_, d_max_, ctx_);
+      bead_heights(material_, part_.tree(), whole.surface, whole.normal, d_min_, d_max_, ctx_);
   std::vector<Layer> printed;
   for (SurfacePart& part : split_components(whole)) {
     Layer layer;
@@ -492,6 +515,42 @@ void Slicer::trim(Candidate& candidate) {
   for (const Index below : trimmed.carriers) carries_[below] = 1;
 }
 
+// Prints what a layer needs below it to be nowhere farther than d_max from the material, then the
+// layer.
+void Slicer::print_up_to(double from, Candidate layer) {
+  above_.push(layer.surface.surface, layer.distance.thickness);
+  const bool inserted = insert_between(from, layer.iso);
+  above_.pop();
+  if (layer.surface.surface.triangles.rows() == 0) return;
+  if (inserted) {
+    layer.distance = measure(material_, layer.surface.surface.vertices, range_.far(), ctx_);
+    refine_extremes(material_, range_, d_min_, d_max_, layer.surface, layer.distance, ctx_);
+  }
+  trim(layer);
+  print(layer.surface, layer.distance, layer.iso, layer.partial);
+}
+
+// Halves the step to the lowest layer above where that is too thick: prints the isosurface half-way
+// there, with what that needs in turn, and what is needed between the two.
+// @return whether the material may be another
+bool Slicer::insert_between(double from, double to) {
+  Candidate half;
+  half.iso = 0.5 * (from + to);
+  half.partial = true;
+  const Probe middle = probe(half.iso);
+  Room room = measure_room(middle.surface, middle.distance, above_, part_, range_, ctx_);
+  const Values slope = vertex_slopes(middle.surface, slope_);
+  for (Eigen::Index v = 0; v < slope.size(); ++v)
+    if (half.iso - from < kLeastStep * low_ * slope(v)) room.span(v) = 0;
+  if (area_beyond(middle.surface, room.span, range_) < bead_area_) return false;
+  half.surface = remesh(insertion(middle.surface, room, range_, bead_area_), target_, ctx_);
+  half.distance = measure(material_, half.surface.surface.vertices, range_.far(), ctx_);
+  refine_extremes(material_, range_, d_min_, d_max_, half.surface, half.distance, ctx_);
+  print_up_to(from, std::move(half));
+  insert_between(middle.iso, to);
+  return true;
+}
+
 LayerStack Slicer::adaptive() {
   const double bottom = std::max(extractor_.min_value(), 0.0);
   std::vector<double> slopes = slope_;
@@ -504,10 +563,10 @@ LayerStack Slicer::adaptive() {
     ctx_.progress(Stage::layers, std::min((last_iso_ - bottom) / (top - bottom), 1.0));
     Candidate next = make_candidate(next_surface(top));
     lower_slightly(next);
-    trim(next);
-    print(next.surface, next.distance, next.iso, next.partial);
-    last_step_ = next.iso - last_iso_;
-    last_iso_ = next.iso;
+    const double iso = next.iso;
+    print_up_to(last_iso_, std::move(next));
+    last_step_ = iso - last_iso_;
+    last_iso_ = iso;
   }
   finish();
   return std::move(stack_);
