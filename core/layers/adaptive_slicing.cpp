@@ -75,6 +75,8 @@ constexpr double kGivenUpShare = 0.02;
 constexpr double kGivenUpRadius = 1.5;
 // Half a step is not divided where it would be less than this many d_min along ∇G.
 constexpr double kLeastStep = 0.5;
+// A layer below a top has at least this many areas of a bead.
+constexpr double kLeastTop = 4;
 
 // An isosurface that may become the next layer.
 struct Probe {
@@ -100,6 +102,7 @@ class Slicer {
       : ctx_(ctx),
         extractor_(rest, field),
         part_(rest),
+        tops_(rest, field),
         size_(size_of(bounding_box(rest.vertices))),
         d_min_(params.d_min()),
         d_max_(params.d_max()),
@@ -130,6 +133,7 @@ class Slicer {
   void lower_slightly(Candidate& candidate);
   void print_up_to(double from, Candidate layer);
   bool insert_between(double from, double to);
+  bool print_tops(double from, double to);
   void trim(Candidate& candidate);
   void print(const Isosurface& whole, const Measured& distance, double iso, bool partial);
   void drop_slivers();
@@ -140,6 +144,7 @@ class Slicer {
   Context& ctx_;
   IsosurfaceExtractor extractor_;
   PartSurface part_;
+  Tops tops_;
   PrintedMaterial material_;
   LayersAbove above_;  // of the running insertion
   LayerStack stack_;
@@ -542,12 +547,32 @@ bool Slicer::insert_between(double from, double to) {
   const Values slope = vertex_slopes(middle.surface, slope_);
   for (Eigen::Index v = 0; v < slope.size(); ++v)
     if (half.iso - from < kLeastStep * low_ * slope(v)) room.span(v) = 0;
-  if (area_beyond(middle.surface, room.span, range_) < bead_area_) return false;
+  if (area_beyond(middle.surface, room.span, range_) < bead_area_) return print_tops(from, to);
   half.surface = remesh(insertion(middle.surface, room, range_, bead_area_), target_, ctx_);
   half.distance = measure(material_, half.surface.surface.vertices, range_.far(), ctx_);
   refine_extremes(material_, range_, d_min_, d_max_, half.surface, half.distance, ctx_);
   print_up_to(from, std::move(half));
   insert_between(middle.iso, to);
+  return true;
+}
+
+// Prints one more layer below the tops of the part that the next layer does not reach.
+// @return whether the material may be another
+bool Slicer::print_tops(double from, double to) {
+  const Tops::Choice choice = tops_.between(from, to, low_);
+  if (choice.volume < kLeastTop * bead_area_ * low_) return false;
+  Candidate top;
+  const Probe next = probe(choice.iso);
+  top.surface =
+      below_tops(next.surface, next.distance, above_, part_, range_, kLeastTop * bead_area_, ctx_);
+  if (top.surface.surface.triangles.rows() == 0) return false;
+  top.iso = choice.iso;
+  top.partial = true;
+  top.surface = remesh(top.surface, target_, ctx_);
+  top.distance = measure(material_, top.surface.surface.vertices, range_.far(), ctx_);
+  refine_extremes(material_, range_, d_min_, d_max_, top.surface, top.distance, ctx_);
+  trim(top);
+  print(top.surface, top.distance, top.iso, top.partial);
   return true;
 }
 

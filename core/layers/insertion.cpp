@@ -8,9 +8,8 @@
 namespace s3 {
 namespace {
 
-// Vertices on the part's surface may stand off it by the tolerance of remeshing: rays start this
-// share of d_max away.
-constexpr double kStart = 0.05;
+// Vertices may stand off the part's surface by the tolerance of remeshing: this share of d_max.
+constexpr double kTolerance = 0.05;
 // Only spans this many d_max long make a layer necessary: those that remeshing made a little too
 // long are trimmed.
 constexpr double kBeyond = 1.01;
@@ -18,8 +17,30 @@ constexpr double kBeyond = 1.01;
 // together.
 constexpr double kEnd = 0.94;
 
+// A face is a top where its normal is within 30° of ∇G.
+constexpr double kTopCosine = 0.87;
+
 double triangle_area(const Isosurface& surface, Eigen::Index f) {
   return triangle_normal_2a(surface.surface.vertices, surface.surface.triangles.row(f)).norm() / 2;
+}
+
+// The vertices, moved a little towards the triangles around them: rays from the surface's boundary
+// would run along the part's walls otherwise.
+Points inner_points(const TriMesh& surface) {
+  constexpr double kInwards = 0.1;
+  Points sum = Points::Zero(surface.vertices.rows(), 3);
+  Values count = Values::Zero(surface.vertices.rows());
+  for (Eigen::Index f = 0; f < surface.triangles.rows(); ++f) {
+    const auto corners = surface.triangles.row(f);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) sum.row(corners(i)) += surface.vertices.row(corners(j)) / 3;
+      count(corners(i)) += 1;
+    }
+  }
+  Points inner = surface.vertices;
+  for (Eigen::Index v = 0; v < inner.rows(); ++v)
+    if (count(v) > 0) inner.row(v) += kInwards * (sum.row(v) / count(v) - inner.row(v));
+  return inner;
 }
 
 // Connected pieces of vertices that are alike.
@@ -81,14 +102,56 @@ Isosurface without_small_pieces(const Isosurface& surface, double least_area) {
 
 }  // namespace
 
-double PartSurface::way_out(const Vec3& p, const Vec3& direction, double reach,
-                            double tolerance) const {
-  if (reach <= tolerance) return reach;
-  const RayHit hit = tree_.first_hit(p + tolerance * direction, direction, reach - tolerance);
-  if (hit.triangle < 0) return reach;
-  const bool leaves =
-      triangle_normal_2a(rest_.vertices, rest_.boundary_faces.row(hit.triangle)).dot(direction) > 0;
-  return leaves ? tolerance + hit.t : tolerance;
+PartSurface::Exit PartSurface::leave(const Vec3& p, const Vec3& direction, double reach,
+                                     double tolerance) const {
+  const Vec3 from = p - tolerance * direction;
+  for (const RayHit& hit : tree_.all_hits(from, direction, reach + tolerance)) {
+    const auto corners = rest_.boundary_faces.row(hit.triangle);
+    const double cosine = triangle_normal_2a(rest_.vertices, corners).normalized().dot(direction);
+    if (cosine > 0) return {std::max(hit.t - tolerance, 0.0), cosine};
+  }
+  return {reach, 0};
+}
+
+Tops::Tops(const TetMesh& rest, const ScalarField& field) {
+  for (Eigen::Index f = 0; f < rest.boundary_faces.rows(); ++f) {
+    const auto corners = rest.boundary_faces.row(f);
+    const Vec3 normal_2a = triangle_normal_2a(rest.vertices, corners);
+    const Index t = rest.boundary_face_tet[static_cast<std::size_t>(f)];
+    const Vec3 gradient = field.gradient.row(t).transpose();
+    if (normal_2a.dot(gradient) <= kTopCosine * normal_2a.norm() * gradient.norm()) continue;
+    const double value =
+        (field.value(corners(0)) + field.value(corners(1)) + field.value(corners(2))) / 3;
+    faces_.push_back({value, gradient.norm(), normal_2a.norm() / 2});
+  }
+  std::sort(faces_.begin(), faces_.end(),
+            [](const Face& a, const Face& b) { return a.value < b.value; });
+}
+
+// A flat top has one value of G: a layer lies this share of its height below it.
+constexpr double kBelowTop = 1e-3;
+
+// A layer at g fills (g − from)/‖∇G‖ below each face from g on, as far as it is not too thin.
+Tops::Choice Tops::between(double from, double to, double least) const {
+  const auto by_value = [](const Face& face, double value) { return face.value < value; };
+  const auto begin = std::lower_bound(faces_.begin(), faces_.end(), from, by_value);
+  const auto end = std::lower_bound(begin, faces_.end(), to, by_value);
+  std::vector<std::pair<double, double>> events;  // from which g on a face adds its area/‖∇G‖
+  for (auto face = begin; face != end; ++face) {
+    const double first = from + least * face->slope;
+    if (first >= face->value) continue;
+    events.emplace_back(first, face->area / face->slope);
+    events.emplace_back(face->value, -face->area / face->slope);
+  }
+  std::sort(events.begin(), events.end());
+  Choice best;
+  double weight = 0;
+  for (const auto& [value, change] : events) {
+    if (change < 0 && weight * (value - from) > best.volume)
+      best = {value - kBelowTop * (value - from), weight * (value - from)};
+    weight += change;
+  }
+  return best;
 }
 
 void LayersAbove::push(const TriMesh& surface, const Values& thickness) {
@@ -109,8 +172,8 @@ LayersAbove::Nearest LayersAbove::nearest(const Vec3& p, double bound) const {
 
 Room measure_room(const Isosurface& surface, const Measured& distance, const LayersAbove& above,
                   const PartSurface& part, const ThicknessRange& range, Context& ctx) {
-  const Points& points = surface.surface.vertices;
-  const double start = kStart * range.max;
+  const Points points = inner_points(surface.surface);
+  const double tolerance = kTolerance * range.max;
   Room room{distance.thickness, Values(points.rows()), Values(points.rows())};
   parallel_for(ctx.pool, static_cast<std::size_t>(points.rows()), 64,
                [&](std::size_t begin, std::size_t end) {
@@ -119,15 +182,15 @@ Room measure_room(const Isosurface& surface, const Measured& distance, const Lay
                    const Vec3 p = points.row(v).transpose();
                    const Vec3 n = surface.normal.row(v).transpose();
                    if (room.below(v) > range.gap_reach)
-                     room.below(v) = part.way_out(p, -n, room.below(v), start);
+                     room.below(v) = part.leave(p, -n, room.below(v), tolerance).distance;
                    const LayersAbove::Nearest next = above.nearest(p, range.far());
                    room.above(v) = next.distance;
                    room.span(v) = next.thickness;
                    if (room.below(v) + next.distance <= range.max) continue;
-                   const double out = part.way_out(p, n, next.distance, start);
+                   const double out = part.leave(p, n, next.distance, tolerance).distance;
                    if (out >= next.distance) continue;
-                   room.above(v) = out;
-                   room.span(v) = room.below(v) + out;
+                   room.above(v) = range.far();
+                   room.span(v) = std::max(room.below(v) + out, next.thickness);
                  }
                });
   return room;
@@ -142,6 +205,28 @@ double area_beyond(const Isosurface& surface, const Values& span, const Thicknes
     area += corners / 3.0 * triangle_area(surface, f);
   }
   return area;
+}
+
+Isosurface below_tops(const Isosurface& surface, const Measured& distance, const LayersAbove& above,
+                      const PartSurface& part, const ThicknessRange& range, double least_area,
+                      Context& ctx) {
+  const Points points = inner_points(surface.surface);
+  const double tolerance = kTolerance * range.max;
+  Values keep(points.rows());
+  parallel_for(ctx.pool, static_cast<std::size_t>(points.rows()), 64,
+               [&](std::size_t begin, std::size_t end) {
+                 for (std::size_t i = begin; i < end; ++i) {
+                   const auto v = static_cast<Eigen::Index>(i);
+                   const Vec3 p = points.row(v).transpose();
+                   const double next = above.nearest(p, range.far()).distance;
+                   const auto out =
+                       part.leave(p, surface.normal.row(v).transpose(), next, tolerance);
+                   const bool top = out.cosine > kTopCosine;
+                   keep(v) = std::min({distance.thickness(v) - range.low, next - range.low,
+                                       top ? next - out.distance : -range.low});
+                 }
+               });
+  return without_small_pieces(cut_where_negative(surface, keep), least_area);
 }
 
 Isosurface insertion(const Isosurface& surface, const Room& room, const ThicknessRange& range,

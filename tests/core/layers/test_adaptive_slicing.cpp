@@ -161,6 +161,31 @@ TEST_CASE("where the spacing of isosurfaces varies in waves partial layers stay 
   CHECK(bead_volume(stack) == doctest::Approx(tet_volumes(box).sum()).epsilon(0.04));
 }
 
+TEST_CASE("a top beside a tower gets a layer of its own where there is room for it") {
+  for (const double step : {6.6, 6.1}) {
+    const TetMesh part = filter(test::make_grid(8, 8, 20, Vec3(10, 10, 2 * step)),
+                                [&](const Vec3& c) { return c.x() < 5 || c.z() < step; });
+    const LayerStack stack = slice(part, part.vertices.col(2));
+    check_sound(stack);
+    CHECK(measure(stack).outside_percent() == 0);
+    const auto ends_at_top = [&](const Layer& l) {
+      return l.partial && l.surface.vertices.col(2).maxCoeff() > step - 0.05 &&
+             l.surface.vertices.col(2).maxCoeff() <= step &&
+             l.surface.vertices.col(0).maxCoeff() > 9.9;
+    };
+    const auto found = std::find_if(stack.layers.begin(), stack.layers.end(), ends_at_top);
+    double last = 0;  // of the complete layers below the top
+    for (const Layer& l : stack.layers)
+      if (!l.partial && l.iso_value < step) last = std::max(last, l.iso_value);
+    CAPTURE(last);
+    CHECK((found != stack.layers.end()) == (step - last > 0.42));
+    if (found == stack.layers.end()) continue;
+    // All of it but a seam beside the layer that the tower has above.
+    CHECK(surface_area(found->surface) > 38);
+    CHECK(surface_area(found->surface) < 51);
+  }
+}
+
 TEST_CASE("a wall that overhangs by 45 degrees gets layers whose rims stay in reach") {
   const TetMesh block = test::make_grid(
       6, 6, 6, Vec3(9, 9, 9), [](const Vec3& p) { return Vec3(p.x() + p.z(), p.y(), p.z()); });

@@ -82,14 +82,19 @@ TEST_CASE("a small piece is not inserted") {
   CHECK(wedge.inserted(true, 75).surface.triangles.rows() == 0);
 }
 
-TEST_CASE("the way out of a part ends at its surface, at once for points on it") {
+TEST_CASE("a way leaves a part at its surface, at once for points on it") {
   const TetMesh box = test::make_grid(4, 4, 4, Vec3(4, 4, 4));
   const PartSurface part(box);
-  const Vec3 up(0, 0, 1), side(1, 0, 0);
-  CHECK(part.way_out(Vec3(1.3, 2.1, 1), up, 10, 0.05) == doctest::Approx(3));
-  CHECK(part.way_out(Vec3(1.3, 2.1, 1), up, 2, 0.05) == doctest::Approx(2));
-  // The box stands behind a point on its left side that looks away from it, and in front of one
-  // that is just outside.
-  CHECK(part.way_out(Vec3(-0.1, 2.1, 1.2), side, 10, 0.05) == doctest::Approx(0.05));
-  CHECK(part.way_out(Vec3(4, 2.1, 1.2), side, 3, 0.05) == doctest::Approx(3));
+  const Vec3 up(0, 0, 1);
+  const auto leave = [&](const Vec3& p, const Vec3& direction, double reach) {
+    return part.leave(p, direction, reach, 0.05);
+  };
+  CHECK(leave(Vec3(1.3, 2.1, 1), up, 10).distance == doctest::Approx(3));
+  CHECK(leave(Vec3(1.3, 2.1, 1), up, 10).cosine == doctest::Approx(1));
+  CHECK(leave(Vec3(1.3, 2.1, 1), up, 2).distance == 2);
+  CHECK(leave(Vec3(1.3, 2.1, 1), up, 2).cosine == 0);
+  for (const double off : {-0.02, 0.02}) {
+    CHECK(leave(Vec3(1.3, 2.1, 4 + off), up, 10).distance < 0.021);                  // out
+    CHECK(leave(Vec3(1.3, 2.1, off), up, 10).distance == doctest::Approx(4 - off));  // through
+  }
 }
